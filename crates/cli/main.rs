@@ -1,0 +1,2 @@
+//! The `wisdom` command.
+fn main() {}
