@@ -1,1 +1,20 @@
 #![doc = include_str!("../README.md")]
+
+mod autonomy;
+mod decision;
+mod error;
+mod knowledge;
+mod maps;
+mod observation;
+mod spec;
+
+pub use autonomy::Autonomy;
+pub use decision::{Act, Decision, Digest, Digests, Objectives, PlanOption, RoverState, Trigger};
+pub use error::AutonomyError;
+pub use knowledge::Knowledge;
+pub use maps::Maps;
+pub use observation::{LayerWindow, Observation, Outcome, Pose, Spent, StepResult};
+pub use spec::{
+    ApproachSpec, Budget, Derivation, ELEVATION, Fallback, LayerSpec, MapUpdate, Source, Spec,
+    Triggers,
+};

@@ -1,1 +1,15 @@
 #![doc = include_str!("../README.md")]
+
+mod credit;
+mod error;
+mod expert;
+mod interest_map;
+mod statistic;
+mod table;
+
+pub use credit::credit;
+pub use error::FusionError;
+pub use expert::{Evidence, Expert, judge};
+pub use interest_map::{Fusion, InterestMap, interest_map};
+pub use statistic::{DSMP_EPSILON, Statistic};
+pub use table::{Band, Class, LookupTable, Rows};

@@ -1,1 +1,31 @@
 #![doc = include_str!("../README.md")]
+
+mod approach;
+mod causal;
+mod directive;
+mod goal;
+mod manager;
+mod objective;
+mod prize;
+mod sequence;
+mod site;
+mod strips;
+
+pub use approach::{Approach, poses};
+pub use causal::{CausalGraph, PlanError};
+pub use directive::Directive;
+pub use goal::{Action, Cause, Goal, GoalId, Reason, Status, Term, Verdict};
+pub use manager::{
+    Event, GoalManager, ManagerSpec, ManagerState, Poses, Retired, Revision, Selection, Shortlist,
+    Survey,
+};
+pub use objective::{Objective, Policy, Promise, UnknownPolicy};
+pub use prize::{PrizeMap, PrizeScale, UnknownPrize, prize_map, quantised};
+pub use sequence::{
+    Candidate, Effort, GoalSequence, Limits, MAX_SEQUENCED, Problem, Proof, Sequences, Stop,
+    sequences, weigh,
+};
+pub use site::{Extraction, Site, sites};
+pub use strips::{
+    DRIVE, Domain, DomainError, Expansion, FactSet, MAX_FACTS, Operator, OperatorText, ServiceCost,
+};

@@ -1,0 +1,643 @@
+//! The core itself: observe, decide, report.
+
+use std::collections::BTreeMap;
+
+use wisdom_fusion::credit;
+use wisdom_goals::{
+    Approach, CausalGraph, Event, FactSet, GoalId, GoalManager, GoalSequence, Limits, Poses,
+    Problem, Selection, Shortlist, Survey, poses,
+};
+use wisdom_grid::Cell;
+use wisdom_planner::{
+    Budget as PlanBudget, CostVector, Field, FieldOptions, Leg, Limits as DriveLimits, Plan, Route,
+    Service, TravelMatrix, field, travel_matrix, validate,
+};
+
+use crate::maps::Digester;
+use crate::{
+    Act, AutonomyError, Decision, Digest, Digests, Knowledge, Maps, Objectives, Observation,
+    Outcome, PlanOption, Pose, RoverState, Source, Spec, Spent, StepResult, Trigger,
+};
+
+/// λ of the net-benefit objective (DESIGN: λ = 1, μ = 0).
+const NET_RISK: f64 = 1.0;
+
+/// Cells around a goal whose ground decides whether a place given up may be tried again.
+const LOCAL_GROUND: usize = 8;
+
+/// The leg being driven.
+#[derive(Debug, Clone, PartialEq)]
+struct Underway {
+    goal: GoalId,
+    route: Route,
+    energy_at_start_j: f64,
+}
+
+/// The autonomy core: a pure function of its spec and of what it observed and was told.
+///
+/// Feed it [`Autonomy::observe`] and [`Autonomy::report`]; whenever [`Autonomy::triggers`] is not empty, or a
+/// step has ended, ask it to [`Autonomy::decide`].
+#[derive(Debug, Clone)]
+pub struct Autonomy {
+    spec: Spec,
+    knowledge: Knowledge,
+    maps: Option<Maps>,
+    manager: GoalManager,
+    facts: FactSet,
+    pose: Pose,
+    spent: Spent,
+    observations: u32,
+    decisions: u32,
+    decided_version: u64,
+    triggers: Vec<Trigger>,
+    underway: Option<Underway>,
+    idle_looks: u32,
+}
+
+impl Autonomy {
+    /// A core that has seen nothing yet.
+    ///
+    /// # Errors
+    /// [`AutonomyError`] if experts, layers, operators, directives or limits do not fit each other.
+    pub fn new(spec: Spec) -> Result<Self, AutonomyError> {
+        spec.vehicle.validate()?;
+        spec.fusion.check(spec.experts.len())?;
+        for expert in &spec.experts {
+            let layer = spec.layers.iter().find(|l| l.name == expert.layer).ok_or_else(|| {
+                AutonomyError::NoLayer { expert: expert.name.clone(), layer: expert.layer.clone() }
+            })?;
+            if layer.unit != expert.table.unit() {
+                return Err(AutonomyError::Unit {
+                    expert: expert.name.clone(),
+                    layer: layer.name.clone(),
+                    table: expert.table.unit().to_owned(),
+                    unit: layer.unit.clone(),
+                });
+            }
+        }
+        let measured = spec.layers.iter().filter_map(|l| match l.source {
+            Source::Measured(update) => Some((l.name.clone(), update)),
+            Source::Derived(_) => None,
+        });
+        let knowledge = Knowledge::new(spec.grid, measured);
+        let manager = GoalManager::new(spec.manager.clone(), spec.directives.clone());
+        manager.check(&spec.domain)?;
+        let facts = spec.domain.initial();
+        let pose = Pose { cell: spec.fallback.home, heading_rad: 0.0 };
+        Ok(Self {
+            spec,
+            knowledge,
+            maps: None,
+            manager,
+            facts,
+            pose,
+            spent: Spent::default(),
+            observations: 0,
+            decisions: 0,
+            decided_version: 0,
+            triggers: vec![Trigger::Start],
+            underway: None,
+            idle_looks: 0,
+        })
+    }
+
+    /// What it was told once.
+    #[must_use]
+    pub fn spec(&self) -> &Spec {
+        &self.spec
+    }
+
+    /// The maps of the latest observation; none before the first.
+    #[must_use]
+    pub fn maps(&self) -> Option<&Maps> {
+        self.maps.as_ref()
+    }
+
+    /// The facts that hold.
+    #[must_use]
+    pub fn facts(&self) -> FactSet {
+        self.facts
+    }
+
+    /// What calls for a decision now.
+    #[must_use]
+    pub fn triggers(&self) -> &[Trigger] {
+        &self.triggers
+    }
+
+    /// Takes in an observation, derives the maps anew if a reading changed, and notes what calls for a
+    /// decision.
+    ///
+    /// # Errors
+    /// [`AutonomyError`] if the observation is out of order, off the grid or holds bad readings.
+    pub fn observe(&mut self, observation: &Observation) -> Result<(), AutonomyError> {
+        if observation.number != self.observations {
+            return Err(AutonomyError::ObservationOrder {
+                expected: self.observations,
+                found: observation.number,
+            });
+        }
+        self.check_cell(observation.pose.cell)?;
+        let changed = self.knowledge.take_in(&observation.windows)?;
+        self.observations += 1;
+        self.pose = observation.pose;
+        self.spent = observation.spent;
+        if changed || self.maps.is_none() {
+            self.maps = Some(Maps::new(&self.spec, &self.knowledge, &self.manager.survival())?);
+        }
+        if self.decisions > 0 {
+            let noticed = self.notice(changed);
+            for trigger in noticed {
+                self.trigger(trigger);
+            }
+        }
+        Ok(())
+    }
+
+    /// Takes in what became of the step that the last decision asked for.
+    ///
+    /// # Errors
+    /// [`AutonomyError`] if the outcome answers another decision or names an impossible operator.
+    pub fn report(&mut self, outcome: &Outcome) -> Result<(), AutonomyError> {
+        let last = self.decisions.wrapping_sub(1);
+        if outcome.decision != last {
+            return Err(AutonomyError::OutcomeOrder { expected: last, found: outcome.decision });
+        }
+        self.check_cell(outcome.pose.cell)?;
+        self.facts = self.carried_out(outcome)?;
+        self.pose = outcome.pose;
+        self.spent = outcome.spent;
+        match outcome.result {
+            StepResult::Achieved(goal) => {
+                self.manager.note(goal, Event::Achieved);
+                self.trigger(Trigger::GoalEnded(goal));
+                self.underway = None;
+            }
+            StepResult::Blocked(goal) | StepResult::Aborted(goal) => {
+                self.manager.note(goal, Event::Failed);
+                self.trigger(Trigger::LegFailed(goal));
+                self.underway = None;
+            }
+            StepResult::Interrupted(_) => {}
+            StepResult::Arrived | StepResult::Stopped => {
+                self.trigger(Trigger::Arrived);
+                self.underway = None;
+            }
+        }
+        Ok(())
+    }
+
+    /// Decides what to do next.
+    ///
+    /// # Errors
+    /// [`AutonomyError`] if nothing was observed yet, or if a plan fails its independent validation (a bug of
+    /// ours, reported rather than driven).
+    pub fn decide(&mut self) -> Result<Decision, AutonomyError> {
+        let maps = self.maps.take().ok_or(AutonomyError::NothingObserved)?;
+        let decision = self.deliberate(&maps);
+        self.maps = Some(maps);
+        decision
+    }
+
+    fn deliberate(&mut self, maps: &Maps) -> Result<Decision, AutonomyError> {
+        let state = self.state();
+        let triggers = std::mem::take(&mut self.triggers);
+        let map_changed = self.knowledge.version() != self.decided_version;
+        let credit_at = |cell: Cell| credit(&maps.evidence, &self.spec.fusion, cell);
+        let ground_at = |cell: Cell| maps.local_ground(cell, LOCAL_GROUND);
+        let survey = Survey {
+            sites: &maps.sites,
+            prize: &maps.prize.prize,
+            interest: &maps.interest.interest,
+            ignorance: &maps.interest.ignorance,
+            paradox: &maps.interest.paradox,
+            credit: &credit_at,
+            ground: &ground_at,
+            map_changed,
+        };
+        let mut revision = self.manager.revise(&survey);
+
+        let limits = self.limits();
+        let drive = DriveLimits { max_time_s: limits.time_s, max_energy_j: limits.energy_j };
+        let reach =
+            field(&maps.ground, self.pose.cell, &FieldOptions { targets: None, limits: drive });
+        let poses = self.poses(maps, &reach);
+        self.manager.give_up_unreachable(&poses, &survey, &mut revision);
+        let shortlist = self.manager.shortlist(&poses);
+        let (nodes, nodes_of) = nodes(self.pose.cell, &shortlist, &poses);
+        let travel = travel_matrix(&maps.ground, &nodes, drive);
+        let candidates = self.manager.candidates(&shortlist, &nodes_of);
+        let directives = self.manager.directives().to_vec();
+        let problem = Problem {
+            candidates: &candidates,
+            travel: &travel,
+            domain: &self.spec.domain,
+            directives: &directives,
+            facts: self.facts,
+            limits,
+            policy: self.spec.policy,
+        };
+        let pinned = state.underway.filter(|_| {
+            !triggers.iter().any(|t| matches!(t, Trigger::Risk { .. } | Trigger::RouteBlocked(_)))
+        });
+        let selection = self.manager.select(&problem, pinned);
+        let committed_value = selection.committed.as_ref().map(|s| s.value);
+        let verdicts =
+            self.manager.commit(revision, &selection, &shortlist, &poses, &problem, map_changed);
+        let family = self.family(maps, &selection, &travel, &nodes, &limits)?;
+        let chosen = selection.chosen;
+        let (act, act_cost) = self.act(maps, &reach, &family[chosen], &limits);
+        self.embark(&act, &family[chosen]);
+
+        let digests = Digests {
+            frame: maps.frame_digest(&self.spec),
+            derived: maps.derived_digest(&self.spec),
+            masses: maps.masses_digest(),
+            fusion: maps.fusion_digest(),
+            ground: maps.ground_digest(),
+            travel: travel_digest(&travel, nodes.len()),
+        };
+        let number = self.decisions;
+        self.decisions += 1;
+        self.decided_version = self.knowledge.version();
+        Ok(Decision {
+            number,
+            triggers,
+            state,
+            digests,
+            map_changed,
+            background: maps.prize.background,
+            seen: maps.seen,
+            sites: maps.sites.clone(),
+            verdicts,
+            shortlist,
+            family,
+            chosen,
+            proof: selection.proof,
+            expansions: selection.expansions,
+            committed_value,
+            held: selection.held,
+            act,
+            act_cost,
+            manager_after: self.manager.state().clone(),
+        })
+    }
+
+    fn state(&self) -> RoverState {
+        RoverState {
+            pose: self.pose,
+            spent: self.spent,
+            facts: self.facts,
+            underway: self.underway.as_ref().map(|u| u.goal),
+            idle_looks: self.idle_looks,
+            manager: self.manager.state().clone(),
+        }
+    }
+
+    fn check_cell(&self, cell: Cell) -> Result<(), AutonomyError> {
+        let grid = self.spec.grid;
+        if grid.contains(cell) {
+            return Ok(());
+        }
+        Err(AutonomyError::OffGrid { cell, rows: grid.rows(), cols: grid.cols() })
+    }
+
+    fn trigger(&mut self, trigger: Trigger) {
+        let same = |t: &Trigger| match (t, &trigger) {
+            (
+                Trigger::InterestChanged { goal: a, .. },
+                Trigger::InterestChanged { goal: b, .. },
+            ) => a == b,
+            (a, b) => a.name() == b.name(),
+        };
+        if !self.triggers.iter().any(same) {
+            self.triggers.push(trigger);
+        }
+    }
+
+    /// What is left to spend.
+    fn limits(&self) -> Limits {
+        let budget = &self.spec.budget;
+        Limits {
+            time_s: (budget.time_s - self.spent.time_s).max(0.0),
+            energy_j: (budget.energy_j - budget.reserve_j - self.spent.energy_j).max(0.0),
+            data_mb: (budget.data_mb - self.spent.data_mb).max(0.0),
+            min_reliability: budget.min_reliability,
+        }
+    }
+
+    /// What the latest observation says that a decision should know of.
+    fn notice(&self, changed: bool) -> Vec<Trigger> {
+        let mut found = Vec::new();
+        let Some(maps) = &self.maps else { return found };
+        if changed {
+            self.notice_goals(maps, &mut found);
+        }
+        if let Some(underway) = &self.underway {
+            self.notice_leg(maps, underway, changed, &mut found);
+        }
+        found
+    }
+
+    fn notice_goals(&self, maps: &Maps, found: &mut Vec<Trigger>) {
+        let state = self.manager.state();
+        for goal in state.agenda.iter().filter_map(|id| state.goals.get(id)) {
+            let weight = self.manager.directives()[goal.directive].weight;
+            let after = weight * f64::from(maps.prize.prize[goal.target]);
+            if (after - goal.prize).abs() >= self.spec.triggers.interest_change {
+                found.push(Trigger::InterestChanged { goal: goal.id, before: goal.prize, after });
+            }
+        }
+        let least = state
+            .agenda
+            .iter()
+            .filter_map(|id| state.goals.get(id))
+            .map(|g| g.prize)
+            .fold(f64::INFINITY, f64::min);
+        let spacing = self.spec.grid.spacing_m();
+        let radius_m = self.manager.spec().identity_radius_m;
+        let extraction = &self.manager.spec().extraction;
+        let known = |cell: Cell| {
+            state.goals.values().any(|g| g.target.distance(cell) * spacing <= radius_m)
+                || state
+                    .retired
+                    .iter()
+                    .any(|r| r.closed && r.target.distance(cell) * spacing <= r.radius_m)
+        };
+        let new = maps.sites.iter().find(|site| {
+            site.prominence >= extraction.min_prominence
+                && (site.prize >= least || least.is_infinite())
+                && !known(site.peak)
+                && self.wanted(maps, site.peak)
+        });
+        if let Some(site) = new {
+            found.push(Trigger::NewCandidate { cell: site.peak, prize: site.prize });
+        }
+    }
+
+    /// Whether some directive looks for such a place.
+    fn wanted(&self, maps: &Maps, cell: Cell) -> bool {
+        let interest = f64::from(maps.interest.interest[cell]);
+        let shares = credit(&maps.evidence, &self.spec.fusion, cell);
+        self.manager.directives().iter().any(|d| d.accepts(interest, &shares))
+    }
+
+    fn notice_leg(
+        &self,
+        maps: &Maps,
+        underway: &Underway,
+        changed: bool,
+        found: &mut Vec<Trigger>,
+    ) {
+        let cells = &underway.route.cells;
+        let Some(at) = cells.iter().position(|c| *c == self.pose.cell) else { return };
+        if changed {
+            let mut ahead = CostVector::ZERO;
+            for pair in cells[at..].windows(2) {
+                let Some(cost) = maps.ground.edge(pair[0], pair[1]) else {
+                    found.push(Trigger::RouteBlocked(pair[1]));
+                    return;
+                };
+                ahead += cost;
+            }
+            let floor = self.spec.budget.min_reliability;
+            if ahead.reliability() < floor {
+                found.push(Trigger::Risk { reliability: ahead.reliability(), floor });
+            }
+        }
+        let whole = underway.route.cost.energy_j;
+        if whole > 0.0 && at > 0 {
+            let driven = self.spent.energy_j - underway.energy_at_start_j;
+            let planned = whole * at as f64 / (cells.len() - 1).max(1) as f64;
+            let share = (driven - planned) / whole;
+            if share.abs() >= self.spec.triggers.budget_drift {
+                found.push(Trigger::BudgetDrift { share });
+            }
+        }
+    }
+
+    /// The facts after the operators of an outcome, each checked.
+    fn carried_out(&self, outcome: &Outcome) -> Result<FactSet, AutonomyError> {
+        let domain = &self.spec.domain;
+        let goal = match outcome.result {
+            StepResult::Achieved(g)
+            | StepResult::Blocked(g)
+            | StepResult::Aborted(g)
+            | StepResult::Interrupted(g) => self.manager.state().goals.get(&g),
+            StepResult::Arrived | StepResult::Stopped => None,
+        };
+        let wanted =
+            goal.map_or(FactSet::EMPTY, |g| self.manager.directives()[g.directive].achieves);
+        outcome.operators.iter().try_fold(self.facts, |facts, name| {
+            let error = |why| AutonomyError::Operator { operator: name.clone(), why };
+            let index = domain
+                .operators()
+                .iter()
+                .position(|o| o.name == *name)
+                .ok_or_else(|| error("the domain has no such operator"))?;
+            domain.step(facts, index, wanted).ok_or_else(|| error("its preconditions do not hold"))
+        })
+    }
+
+    fn poses(&self, maps: &Maps, reach: &Field<'_>) -> Poses {
+        let elevation = &maps.layers[crate::ELEVATION];
+        let state = self.manager.state();
+        state
+            .goals
+            .values()
+            .map(|goal| {
+                let directive = &self.manager.directives()[goal.directive];
+                let approach = Approach {
+                    standoff_m: directive.standoff_m,
+                    eye_height_m: self.spec.approach.eye_height_m,
+                    poses: self.spec.approach.poses,
+                };
+                (goal.id, poses(reach, elevation, goal.target, &approach))
+            })
+            .collect()
+    }
+
+    /// The plans of the family, each validated by arithmetic of its own.
+    fn family(
+        &self,
+        maps: &Maps,
+        selection: &Selection,
+        travel: &TravelMatrix,
+        nodes: &[Cell],
+        limits: &Limits,
+    ) -> Result<Vec<PlanOption>, AutonomyError> {
+        let budget = PlanBudget {
+            time_s: limits.time_s,
+            energy_j: limits.energy_j,
+            min_reliability: limits.min_reliability,
+        };
+        selection
+            .family
+            .iter()
+            .map(|sequence| {
+                let plan = plan(self.pose.cell, sequence, travel, nodes);
+                validate(&plan, &maps.ground, &self.spec.vehicle, &budget).map_err(
+                    |violation| AutonomyError::InvalidPlan { why: violation.to_string() },
+                )?;
+                let state = self.manager.state();
+                let directive_of =
+                    |goal: GoalId| self.manager.directives()[state.goals[&goal].directive].clone();
+                CausalGraph::new(sequence, &self.spec.domain, self.facts, directive_of)
+                    .map_err(|error| AutonomyError::InvalidPlan { why: error.to_string() })?;
+                let objectives = objectives(sequence, limits.min_reliability);
+                Ok(PlanOption { sequence: sequence.clone(), plan, objectives })
+            })
+            .collect()
+    }
+
+    /// The first leg of the chosen plan; without one, the next thing in the order look, home, wait.
+    fn act(
+        &self,
+        maps: &Maps,
+        reach: &Field<'_>,
+        chosen: &PlanOption,
+        limits: &Limits,
+    ) -> (Act, CostVector) {
+        if let (Some(stop), Some(leg)) = (chosen.sequence.stops.first(), chosen.plan.legs.first()) {
+            return (Act::Pursue(stop.goal), leg.route.cost);
+        }
+        let fallback = &self.spec.fallback;
+        let safe = |route: &Route| {
+            route.cost.reliability() >= limits.min_reliability
+                && route.cost.time_s <= limits.time_s
+                && route.cost.energy_j <= limits.energy_j
+        };
+        if self.idle_looks < fallback.max_looks
+            && let Some((vantage, ignorance)) = self.vantage(maps, reach)
+            && let Some(route) = reach.route(vantage).filter(safe)
+        {
+            let cost = route.cost;
+            return (Act::Look { route, ignorance }, cost);
+        }
+        if fallback.return_home
+            && self.pose.cell != fallback.home
+            && let Some(route) = reach.route(fallback.home).filter(safe)
+        {
+            let cost = route.cost;
+            return (Act::Home { route }, cost);
+        }
+        (Act::Wait { wake: "a new command, or a budget for another day" }, CostVector::ZERO)
+    }
+
+    /// The reachable cell from which the most ignorance lies in range, times the chance of getting there.
+    fn vantage(&self, maps: &Maps, reach: &Field<'_>) -> Option<(Cell, f64)> {
+        let fallback = &self.spec.fallback;
+        let radius = (fallback.look_range_m / self.spec.grid.spacing_m()) as usize;
+        let spec = self.spec.grid;
+        let (rows, cols) = (spec.rows(), spec.cols());
+        // Summed areas: the ignorance of any window in four look-ups.
+        let mut sums = vec![0.0f64; (rows + 1) * (cols + 1)];
+        for row in 0..rows {
+            let mut line = 0.0;
+            for col in 0..cols {
+                line += f64::from(maps.interest.ignorance[Cell { row, col }]);
+                sums[(row + 1) * (cols + 1) + col + 1] = sums[row * (cols + 1) + col + 1] + line;
+            }
+        }
+        let mut best: Option<(f64, Cell, f64)> = None;
+        for cell in spec.cells() {
+            let Some(neg_ln_r) = reach.neg_ln_r(cell) else { continue };
+            let w = spec.around(cell, radius);
+            let at = |row: usize, col: usize| sums[row * (cols + 1) + col];
+            let ignorance = at(w.row + w.rows, w.col + w.cols)
+                - at(w.row, w.col + w.cols)
+                - at(w.row + w.rows, w.col)
+                + at(w.row, w.col);
+            let worth = ignorance / (w.rows * w.cols) as f64 >= fallback.min_ignorance;
+            let score = ignorance * libm::exp(-neg_ln_r);
+            if worth && cell != self.pose.cell && best.is_none_or(|(top, _, _)| score > top) {
+                best = Some((score, cell, ignorance));
+            }
+        }
+        best.map(|(_, cell, ignorance)| (cell, ignorance))
+    }
+
+    /// Remembers the leg that is about to be driven.
+    fn embark(&mut self, act: &Act, chosen: &PlanOption) {
+        self.underway = match (act, chosen.plan.legs.first()) {
+            (Act::Pursue(goal), Some(leg)) => Some(Underway {
+                goal: *goal,
+                route: leg.route.clone(),
+                energy_at_start_j: self.spent.energy_j,
+            }),
+            _ => None,
+        };
+        self.idle_looks = match act {
+            Act::Look { .. } => self.idle_looks + 1,
+            Act::Pursue(_) => 0,
+            _ => self.idle_looks,
+        };
+    }
+}
+
+/// The matrix nodes: where the rover stands, then the poses of the shortlisted goals.
+fn nodes(
+    start: Cell,
+    shortlist: &Shortlist,
+    poses: &Poses,
+) -> (Vec<Cell>, BTreeMap<GoalId, Vec<usize>>) {
+    let mut nodes = vec![start];
+    let mut of = BTreeMap::new();
+    for goal in &shortlist.kept {
+        let mine: Vec<usize> = poses[goal]
+            .iter()
+            .map(|(pose, _)| {
+                nodes.push(*pose);
+                nodes.len() - 1
+            })
+            .collect();
+        of.insert(*goal, mine);
+    }
+    (nodes, of)
+}
+
+/// The legs of a sequence.
+fn plan(start: Cell, sequence: &GoalSequence, travel: &TravelMatrix, nodes: &[Cell]) -> Plan {
+    let mut from = 0;
+    let legs = sequence
+        .stops
+        .iter()
+        .enumerate()
+        .map(|(stop, s)| {
+            let route = travel
+                .route(from, s.pose, s.alternative)
+                .expect("the search took this leg from the matrix");
+            from = s.pose;
+            let service =
+                Service { time_s: s.expansion.cost.time_s, energy_j: s.expansion.cost.energy_j };
+            Leg { stop, pose: nodes[s.pose], route, service }
+        })
+        .collect();
+    Plan::new(start, legs)
+}
+
+fn objectives(sequence: &GoalSequence, floor: f64) -> Objectives {
+    let (prize, reliability) = (sequence.prize, sequence.reliability);
+    Objectives {
+        expected_interest: sequence.expected,
+        most_interesting: prize,
+        all_or_nothing: prize * reliability,
+        chance_constrained: if reliability >= floor { prize } else { 0.0 },
+        net_benefit: prize + NET_RISK * libm::log(reliability),
+    }
+}
+
+fn travel_digest(travel: &TravelMatrix, nodes: usize) -> Digest {
+    let mut digest = Digester::default();
+    for from in 0..nodes {
+        for to in 0..nodes {
+            for cost in travel.alternatives(from, to) {
+                for number in [cost.length_m, cost.time_s, cost.energy_j, cost.neg_ln_r] {
+                    digest.number(number);
+                }
+            }
+            digest.bytes(b";");
+        }
+    }
+    digest.finish()
+}

@@ -1,0 +1,256 @@
+//! What goes out of the core: a decision with everything it was made of.
+
+use std::fmt;
+
+use wisdom_goals::{FactSet, GoalId, GoalSequence, ManagerState, Proof, Shortlist, Site, Verdict};
+use wisdom_grid::Cell;
+use wisdom_planner::{CostVector, Plan, Route};
+
+use crate::{Pose, Spent};
+
+/// BLAKE3 of the exact bits of something too large for a decision record.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub struct Digest(pub [u8; 32]);
+
+impl fmt::Display for Digest {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0[..8].iter().try_for_each(|byte| write!(f, "{byte:02x}"))
+    }
+}
+
+impl fmt::Debug for Digest {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "Digest({self})")
+    }
+}
+
+/// Why a decision was due.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub enum Trigger {
+    /// The mission begins.
+    Start,
+    /// A goal was achieved.
+    GoalEnded(GoalId),
+    /// A leg failed.
+    LegFailed(GoalId),
+    /// The prize at a committed goal changed.
+    InterestChanged {
+        /// The goal.
+        goal: GoalId,
+        /// Prize when it was last weighed.
+        before: f64,
+        /// Prize now.
+        after: f64,
+    },
+    /// A maximum appeared that no known goal explains.
+    NewCandidate {
+        /// Its peak.
+        cell: Cell,
+        /// Its prize.
+        prize: f64,
+    },
+    /// The leg under way costs more or less than planned.
+    BudgetDrift {
+        /// Share of the leg's planned energy by which the actual one is off, signed.
+        share: f64,
+    },
+    /// What remains of the plan fell below the reliability floor.
+    Risk {
+        /// Reliability of the rest of the leg on today's map.
+        reliability: f64,
+        /// The floor.
+        floor: f64,
+    },
+    /// Newly seen ground blocks the route under way.
+    RouteBlocked(Cell),
+    /// A look from a vantage was taken, or home was reached.
+    Arrived,
+}
+
+impl Trigger {
+    /// The trigger's short name.
+    #[must_use]
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Start => "start",
+            Self::GoalEnded(_) => "goal-ended",
+            Self::LegFailed(_) => "leg-failed",
+            Self::InterestChanged { .. } => "interest-changed",
+            Self::NewCandidate { .. } => "new-candidate",
+            Self::BudgetDrift { .. } => "budget-drift",
+            Self::Risk { .. } => "risk",
+            Self::RouteBlocked(_) => "route-blocked",
+            Self::Arrived => "arrived",
+        }
+    }
+}
+
+impl fmt::Display for Trigger {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Start | Self::Arrived => f.write_str(self.name()),
+            Self::GoalEnded(goal) | Self::LegFailed(goal) => write!(f, "{} ({goal})", self.name()),
+            Self::InterestChanged { goal, before, after } => {
+                write!(f, "{} ({goal}: {before:.3} -> {after:.3})", self.name())
+            }
+            Self::NewCandidate { cell, prize } => {
+                write!(f, "{} ({cell}, prize {prize:.3})", self.name())
+            }
+            Self::BudgetDrift { share } => write!(f, "{} ({:+.0} %)", self.name(), share * 100.0),
+            Self::Risk { reliability, floor } => {
+                write!(f, "{} ({reliability:.3} < {floor:.3})", self.name())
+            }
+            Self::RouteBlocked(cell) => write!(f, "{} {cell}", self.name()),
+        }
+    }
+}
+
+/// What the rover is to do next. Never nothing: to wait is an act with a wake condition.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub enum Act {
+    /// Carry out the first leg of the chosen plan and its goal's operators.
+    Pursue(GoalId),
+    /// Drive to a vantage and look where ignorance is largest.
+    Look {
+        /// The way there.
+        route: Route,
+        /// Ignorance in range of the vantage, in cells' worth.
+        ignorance: f64,
+    },
+    /// Drive home.
+    Home {
+        /// The way there.
+        route: Route,
+    },
+    /// Wait in a safe state.
+    Wait {
+        /// What would end the wait.
+        wake: &'static str,
+    },
+}
+
+impl Act {
+    /// The act's short name.
+    #[must_use]
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Pursue(_) => "pursue",
+            Self::Look { .. } => "look",
+            Self::Home { .. } => "home",
+            Self::Wait { .. } => "wait",
+        }
+    }
+}
+
+/// All objectives of one sequence, whatever the policy.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Objectives {
+    /// J1: Σ prize · reliability so far.
+    pub expected_interest: f64,
+    /// Σ prize.
+    pub most_interesting: f64,
+    /// J2: Σ prize · reliability of the whole.
+    pub all_or_nothing: f64,
+    /// Σ prize if the reliability reaches the floor, else 0.
+    pub chance_constrained: f64,
+    /// Σ prize − λ·(−ln R) with λ = 1 (and μ = 0 on energy).
+    pub net_benefit: f64,
+}
+
+/// One member of the plan family.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PlanOption {
+    /// The goals in their order, with operators.
+    pub sequence: GoalSequence,
+    /// The legs that serve them.
+    pub plan: Plan,
+    /// What it is worth.
+    pub objectives: Objectives,
+}
+
+/// Digests of the maps a decision was made from, stage by stage.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Digests {
+    /// The measured layers as the rover knows them.
+    pub frame: Digest,
+    /// The layers derived from them.
+    pub derived: Digest,
+    /// The experts' masses.
+    pub masses: Digest,
+    /// The fused map.
+    pub fusion: Digest,
+    /// Traversability.
+    pub ground: Digest,
+    /// The travel matrix: every cost of every leg.
+    pub travel: Digest,
+}
+
+/// What the rover was when it decided.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RoverState {
+    /// Where it stood.
+    pub pose: Pose,
+    /// What it had spent.
+    pub spent: Spent,
+    /// The facts that held.
+    pub facts: FactSet,
+    /// The goal of the leg under way, if any (the commit window).
+    pub underway: Option<GoalId>,
+    /// Looks taken since there was last a goal to pursue.
+    pub idle_looks: u32,
+    /// The goal manager's memory before the decision.
+    pub manager: ManagerState,
+}
+
+/// A decision: what was known, what was weighed, what was chosen and why.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Decision {
+    /// Number of the decision, from 0.
+    pub number: u32,
+    /// Why it was due.
+    pub triggers: Vec<Trigger>,
+    /// What the rover was.
+    pub state: RoverState,
+    /// The maps it was made from.
+    pub digests: Digests,
+    /// Whether any reading changed since the last decision.
+    pub map_changed: bool,
+    /// Median interest over seen ground.
+    pub background: f64,
+    /// Share of the grid of which anything is known.
+    pub seen: f64,
+    /// Maxima of the prize map.
+    pub sites: Vec<Site>,
+    /// What was said of every known goal.
+    pub verdicts: Vec<Verdict>,
+    /// Which goals were sequenced exactly.
+    pub shortlist: Shortlist,
+    /// The family of plans, best first.
+    pub family: Vec<PlanOption>,
+    /// Index of the plan chosen.
+    pub chosen: usize,
+    /// What is known of the best sequence.
+    pub proof: Proof,
+    /// Labels expanded by the search.
+    pub expansions: u64,
+    /// Value of the committed sequence on today's map, if it can still be carried out.
+    pub committed_value: Option<f64>,
+    /// Whether the committed sequence was kept although another is better, but not by enough.
+    pub held: bool,
+    /// What to do now.
+    pub act: Act,
+    /// Expected cost of the act's drive.
+    pub act_cost: CostVector,
+    /// The goal manager's memory after the decision.
+    pub manager_after: ManagerState,
+}
+
+impl Decision {
+    /// The chosen plan.
+    #[must_use]
+    pub fn plan(&self) -> &PlanOption {
+        &self.family[self.chosen]
+    }
+}

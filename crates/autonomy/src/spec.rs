@@ -1,0 +1,145 @@
+//! Everything the core is told once: experts, rule, limits, budgets, policy.
+
+use wisdom_fusion::{Expert, Fusion};
+use wisdom_goals::{Directive, Domain, ManagerSpec, Policy, PrizeScale};
+use wisdom_grid::{Cell, GridSpec};
+use wisdom_planner::Vehicle;
+
+/// How a new reading of a layer meets the one already known.
+///
+/// An instrument is never fused with its own past readings: fusion is across layers only.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[non_exhaustive]
+pub enum MapUpdate {
+    /// Keep the reading with the lower uncertainty; the older one on a tie.
+    #[default]
+    Best,
+    /// Keep the newer reading.
+    Latest,
+    /// The mean weighted by 1/u; its u is that of two independent readings, `1/(1/u₁ + 1/u₂)`.
+    Weighted,
+}
+
+/// A layer that the terrain crate derives from elevation.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Derivation {
+    /// Gradient magnitude, rise over run.
+    Gradient,
+    /// Slope, degrees.
+    Slope,
+    /// Largest height difference to a neighbour, metres.
+    Step,
+    /// Residual from a plane over the vehicle's footprint, metres (root mean square).
+    Roughness,
+}
+
+/// Where a layer comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Source {
+    /// Instruments read it.
+    Measured(MapUpdate),
+    /// It follows from the layer `elevation`.
+    Derived(Derivation),
+}
+
+/// A layer of the mission.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct LayerSpec {
+    /// Its name.
+    pub name: String,
+    /// Its unit, as experts must name it.
+    pub unit: String,
+    /// Where it comes from.
+    pub source: Source,
+}
+
+/// What may be spent on the mission.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Budget {
+    /// Time, seconds.
+    pub time_s: f64,
+    /// Energy, joules.
+    pub energy_j: f64,
+    /// Energy never to be planned with, joules.
+    pub reserve_j: f64,
+    /// Data volume, megabytes (infinite if the mission sets none).
+    pub data_mb: f64,
+    /// Least reliability of a plan (default 0.5).
+    pub min_reliability: f64,
+}
+
+/// What calls for a decision.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Triggers {
+    /// Change of the prize at a committed goal since the last decision.
+    pub interest_change: f64,
+    /// Share of a leg's planned energy by which the actual one may be off.
+    pub budget_drift: f64,
+}
+
+impl Default for Triggers {
+    fn default() -> Self {
+        Self { interest_change: 0.1, budget_drift: 0.25 }
+    }
+}
+
+/// What to do when no goal is worth pursuing.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Fallback {
+    /// Looks from vantages in a row before giving up.
+    pub max_looks: u32,
+    /// Range of a look, metres: the instruments'.
+    pub look_range_m: f64,
+    /// Least mean ignorance in range for a look to be worth the drive, in [0, 1].
+    pub min_ignorance: f64,
+    /// Where home is.
+    pub home: Cell,
+    /// Whether to drive home before waiting.
+    pub return_home: bool,
+}
+
+/// How goals are approached.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ApproachSpec {
+    /// Height of the eye that must see the target, metres above ground.
+    pub eye_height_m: f64,
+    /// Poses offered for each goal.
+    pub poses: usize,
+}
+
+/// Everything the core is told once.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Spec {
+    /// The mission's grid.
+    pub grid: GridSpec,
+    /// Its layers; `elevation` is always among the measured ones.
+    pub layers: Vec<LayerSpec>,
+    /// The experts.
+    pub experts: Vec<Expert>,
+    /// How their evidence is fused.
+    pub fusion: Fusion,
+    /// How interest becomes a prize.
+    pub prize: PrizeScale,
+    /// The objective over sequences.
+    pub policy: Policy,
+    /// Facts and operators.
+    pub domain: Domain,
+    /// The pool of directives.
+    pub directives: Vec<Directive>,
+    /// How the goal manager weighs.
+    pub manager: ManagerSpec,
+    /// The rover's limits.
+    pub vehicle: Vehicle,
+    /// What may be spent.
+    pub budget: Budget,
+    /// What calls for a decision.
+    pub triggers: Triggers,
+    /// What to do without a goal.
+    pub fallback: Fallback,
+    /// How goals are approached.
+    pub approach: ApproachSpec,
+}
+
+/// The name of the layer that traversability and derived layers come from.
+pub const ELEVATION: &str = "elevation";

@@ -1,0 +1,127 @@
+//! What a cell of the interest map is worth to a goal.
+
+use std::fmt;
+use std::str::FromStr;
+
+use wisdom_grid::Raster;
+
+/// How interest becomes a prize.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
+#[non_exhaustive]
+pub enum PrizeScale {
+    /// The interest itself: the sum over goals is a lower bound on the expected number of interesting
+    /// sites (the paper's choice).
+    Belief,
+    /// `max(0, (interest − b) / (1 − b))` with b the median over seen ground: how far a place stands out.
+    /// On real ground half of the map lies above 0.95 and interest itself cannot choose.
+    #[default]
+    Contrast,
+}
+
+impl PrizeScale {
+    /// Every scale, in the order of the documentation.
+    pub const ALL: [Self; 2] = [Self::Belief, Self::Contrast];
+}
+
+impl fmt::Display for PrizeScale {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Belief => "belief",
+            Self::Contrast => "contrast",
+        })
+    }
+}
+
+/// A name that is no prize scale.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("`{0}` is not a prize; expected `belief` or `contrast`")]
+pub struct UnknownPrize(pub String);
+
+impl FromStr for PrizeScale {
+    type Err = UnknownPrize;
+
+    fn from_str(name: &str) -> Result<Self, UnknownPrize> {
+        Self::ALL
+            .into_iter()
+            .find(|s| s.to_string() == name)
+            .ok_or_else(|| UnknownPrize(name.to_owned()))
+    }
+}
+
+/// The prize of every cell, and the background it is measured against.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PrizeMap {
+    /// Prize of each cell in [0, 1]; 0 where nothing was seen.
+    pub prize: Raster<f32>,
+    /// The median interest over seen ground (logged; used by [`PrizeScale::Contrast`]).
+    pub background: f64,
+}
+
+/// Turns interest into prizes. Ground is seen where its ignorance is below one.
+#[must_use]
+pub fn prize_map(interest: &Raster<f32>, ignorance: &Raster<f32>, scale: PrizeScale) -> PrizeMap {
+    let mut seen: Vec<f32> = interest
+        .values()
+        .iter()
+        .zip(ignorance.values())
+        .filter(|(_, u)| **u < 1.0)
+        .map(|(b, _)| *b)
+        .collect();
+    let background = if seen.is_empty() {
+        0.0
+    } else {
+        let middle = seen.len() / 2;
+        f64::from(*seen.select_nth_unstable_by(middle, f32::total_cmp).1)
+    };
+    let prize = match scale {
+        PrizeScale::Belief => interest.clone(),
+        PrizeScale::Contrast if background >= 1.0 => interest.map(|_| 0.0),
+        PrizeScale::Contrast => {
+            interest.map(|&b| ((f64::from(b) - background) / (1.0 - background)).max(0.0) as f32)
+        }
+    };
+    PrizeMap { prize, background }
+}
+
+/// A prize on the ladder of 2⁻³²: sums of such numbers are exact, so that equal sets have equal sums in
+/// whatever order they are added.
+#[must_use]
+pub fn quantised(prize: f64) -> f64 {
+    const STEP: f64 = 4_294_967_296.0;
+    (prize * STEP).round() / STEP
+}
+
+#[cfg(test)]
+mod tests {
+    use wisdom_grid::GridSpec;
+
+    use super::*;
+
+    #[test]
+    fn contrast_is_zero_at_the_median_of_seen_ground_and_one_at_certainty() {
+        let spec = GridSpec::new(1, 5, 1.0).unwrap();
+        let interest = Raster::from_vec(spec, vec![0.0, 0.4, 0.5, 0.75, 1.0]).unwrap();
+        let ignorance = Raster::from_vec(spec, vec![1.0, 0.1, 0.1, 0.1, 0.1]).unwrap();
+        let map = prize_map(&interest, &ignorance, PrizeScale::Contrast);
+        assert_eq!(map.background, 0.75);
+        assert_eq!(map.prize.values(), [0.0, 0.0, 0.0, 0.0, 1.0]);
+        let plain = prize_map(&interest, &ignorance, PrizeScale::Belief);
+        assert_eq!(plain.prize, interest);
+    }
+
+    #[test]
+    fn a_map_that_is_interesting_everywhere_stands_out_nowhere() {
+        let spec = GridSpec::new(1, 2, 1.0).unwrap();
+        let map =
+            prize_map(&Raster::filled(spec, 1.0), &Raster::filled(spec, 0.0), PrizeScale::Contrast);
+        assert_eq!(map.prize.values(), [0.0, 0.0]);
+    }
+
+    #[test]
+    fn quantised_prizes_add_up_alike_in_any_order() {
+        let prizes = [0.1, 0.7, 0.3, 0.23].map(quantised);
+        let forward: f64 = prizes.iter().sum();
+        let backward: f64 = prizes.iter().rev().sum();
+        assert_eq!(forward, backward);
+    }
+}
