@@ -7,8 +7,8 @@ use petgraph::graph::{DiGraph, NodeIndex};
 use crate::{Directive, Domain, Expansion, FactSet, GoalId, GoalSequence};
 
 /// The operators of a sequence as a graph: an edge leads from the operator that last made a fact true to
-/// one that needs it, and is named by the fact; operators of one goal follow each other by an edge without
-/// a fact.
+/// one that needs it, and is named by the fact; each operator follows the one before it by an edge without a
+/// fact.
 #[derive(Debug, Clone)]
 pub struct CausalGraph(DiGraph<String, String>);
 
@@ -23,6 +23,14 @@ pub enum PlanError {
         goal: GoalId,
         /// The operator.
         operator: String,
+        /// The missing fact.
+        fact: String,
+    },
+    /// A fact that the goal's directive asks for does not hold when its turn comes.
+    #[error("{goal}: its directive requires `{fact}`, which does not hold at its turn")]
+    NotReady {
+        /// The goal served.
+        goal: GoalId,
         /// The missing fact.
         fact: String,
     },
@@ -57,14 +65,20 @@ impl CausalGraph {
         let mut last = start;
         for stop in &sequence.stops {
             let directive = directive_of(stop.goal);
+            if let Some(fact) = domain.names(directive.requires.without(state)).next() {
+                return Err(PlanError::NotReady { goal: stop.goal, fact: fact.to_owned() });
+            }
+            let mut asked = directive.requires;
             let Expansion { before, after, .. } = &stop.expansion;
             for index in before.iter().copied().chain([domain.drive()]).chain(after.iter().copied())
             {
                 let operator = &domain.operators()[index];
                 let node = graph.add_node(format!("{} {}", stop.goal, operator.name));
                 graph.add_edge(last, node, String::new());
+                // What the directive requires is needed by the first operator that serves the goal.
+                let needed = operator.preconditions.with(std::mem::take(&mut asked));
                 for (bit, fact) in domain.facts().iter().enumerate() {
-                    if operator.preconditions.meets(FactSet::from_bits(1 << bit)) {
+                    if needed.meets(FactSet::from_bits(1 << bit)) {
                         graph.add_edge(makers[bit], node, fact.clone());
                     }
                 }
@@ -104,10 +118,10 @@ impl CausalGraph {
     /// The graph in the DOT language of Graphviz.
     #[must_use]
     pub fn dot(&self) -> String {
-        let name = |_, (_, label): (NodeIndex, &String)| format!("label=\"{label}\"");
+        let name = |_, (_, label): (NodeIndex, &String)| format!("label={label:?}");
         let link = |_, edge: petgraph::graph::EdgeReference<'_, String>| {
             let fact = edge.weight();
-            if fact.is_empty() { "style=dotted".to_owned() } else { format!("label=\"{fact}\"") }
+            if fact.is_empty() { "style=dotted".to_owned() } else { format!("label={fact:?}") }
         };
         format!(
             "{:?}",

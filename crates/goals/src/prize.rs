@@ -87,9 +87,15 @@ pub fn prize_map(interest: &Raster<f32>, ignorance: &Raster<f32>, scale: PrizeSc
 /// whatever order they are added.
 #[must_use]
 pub fn quantised(prize: f64) -> f64 {
-    const STEP: f64 = 4_294_967_296.0;
-    (prize * STEP).round() / STEP
+    (prize * STEPS_PER_UNIT).round() / STEPS_PER_UNIT
 }
+
+/// The highest step of the ladder of [`quantised`] that is not above a number.
+pub(crate) fn quantised_down(bound: f64) -> f64 {
+    (bound * STEPS_PER_UNIT).floor() / STEPS_PER_UNIT
+}
+
+const STEPS_PER_UNIT: f64 = 4_294_967_296.0;
 
 #[cfg(test)]
 mod tests {

@@ -10,7 +10,8 @@ use std::collections::{BTreeMap, BinaryHeap};
 
 use wisdom_planner::TravelMatrix;
 
-use crate::objective::Promise;
+use crate::objective::{Promise, ROUNDING};
+use crate::prize::{quantised, quantised_down};
 use crate::{Directive, Domain, Expansion, FactSet, GoalId, Policy, ServiceCost};
 
 /// The most goals one exact search takes: the set visited is a bit mask and the states are a table.
@@ -119,7 +120,8 @@ impl GoalSequence {
     }
 }
 
-/// How good the best sequence is known to be, relative to the goals, poses and leg alternatives given.
+/// How good the best sequence is known to be, relative to the goals, poses and leg alternatives given, and
+/// to the goals that had to come first.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Proof {
     /// No sequence is better.
@@ -132,8 +134,8 @@ pub enum Proof {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sequences {
     /// The best sequence of each of the best sets met, best first; never empty (the last resort is to do
-    /// nothing). The first carries the proof; the others were met on the way and are the best known orders
-    /// of their sets, not proven ones.
+    /// nothing, also where the goals that had to come first cannot). The first carries the proof; the others
+    /// were met on the way and are the best known orders of their sets, not proven ones.
     pub best: Vec<GoalSequence>,
     /// What is known of the first.
     pub proof: Proof,
@@ -176,6 +178,11 @@ pub fn sequences(problem: &Problem<'_>, effort: Effort<'_>) -> Sequences {
 }
 
 /// The best way (poses, operators) to serve the goals in exactly this order, if any is within the limits.
+///
+/// Looks at 20 000 labels at most; orders of a dozen goals with a few poses each need far fewer.
+///
+/// # Panics
+/// If the order names more than [`MAX_SEQUENCED`] goals.
 #[must_use]
 pub fn weigh(problem: &Problem<'_>, order: &[GoalId]) -> Option<GoalSequence> {
     const ENOUGH: u64 = 20_000;
@@ -214,6 +221,13 @@ struct Label {
 const NONE: u32 = u32::MAX;
 
 impl Label {
+    /// Whether both rank the same but for the order of their goals.
+    fn ties(&self, other: &Self) -> bool {
+        self.value == other.value
+            && self.neg_ln_r == other.neg_ln_r
+            && self.time_s == other.time_s
+    }
+
     /// Whether nothing that can follow `other` is better than what can follow `self`.
     fn dominates(&self, other: &Self) -> bool {
         self.value >= other.value
@@ -274,7 +288,10 @@ struct Search<'a> {
     open: BinaryHeap<Open>,
     /// Best label of each set met: the family is drawn from these.
     best_of_set: BTreeMap<u32, u32>,
-    incumbent: u32,
+    /// Best label found; none until the goals that must come first have been visited.
+    incumbent: Option<u32>,
+    /// Whether every prize is quantised, so that sums of prizes are exact.
+    exact: bool,
 }
 
 impl<'a> Search<'a> {
@@ -312,6 +329,8 @@ impl<'a> Search<'a> {
             next: NONE,
             dead: false,
         };
+        let exact = problem.candidates.iter().all(|c| c.prize == quantised(c.prize));
+        let nothing = prefix.is_empty().then_some(0);
         Self {
             problem,
             prefix,
@@ -322,8 +341,9 @@ impl<'a> Search<'a> {
             labels: vec![root],
             heads: BTreeMap::new(),
             open: BinaryHeap::new(),
-            best_of_set: BTreeMap::from([(0, 0)]),
-            incumbent: 0,
+            best_of_set: nothing.map(|root| (0, root)).into_iter().collect(),
+            incumbent: nothing,
+            exact,
         }
     }
 
@@ -339,7 +359,8 @@ impl<'a> Search<'a> {
                 continue;
             }
             if expansions == self.effort.expansions {
-                proof = Proof::Bound(open.bound.max(self.labels[self.incumbent as usize].value));
+                let found = self.incumbent.map_or(0.0, |best| self.labels[best as usize].value);
+                proof = Proof::Bound(open.bound.max(found));
                 break;
             }
             expansions += 1;
@@ -351,6 +372,9 @@ impl<'a> Search<'a> {
         for label in sets.into_iter().take(self.effort.keep.max(1)) {
             best.push(self.sequence(label));
         }
+        if best.is_empty() {
+            best.push(GoalSequence::empty());
+        }
         Sequences { best, proof, expansions }
     }
 
@@ -361,23 +385,29 @@ impl<'a> Search<'a> {
             .total_cmp(&x.value)
             .then(y.reliability.total_cmp(&x.reliability))
             .then(x.time_s.total_cmp(&y.time_s))
-            .then_with(|| self.goals(a).cmp(&self.goals(b)))
+            .then_with(|| self.goals(x).cmp(&self.goals(y)))
     }
 
-    fn goals(&self, mut label: u32) -> Vec<GoalId> {
-        let mut goals = Vec::new();
-        while label != NONE && self.labels[label as usize].candidate != NONE {
-            goals
-                .push(self.problem.candidates[self.labels[label as usize].candidate as usize].goal);
-            label = self.labels[label as usize].parent;
+    fn goals(&self, label: &Label) -> Vec<GoalId> {
+        let (mut at, mut goals) = (label, Vec::new());
+        while at.candidate != NONE {
+            goals.push(self.problem.candidates[at.candidate as usize].goal);
+            at = &self.labels[at.parent as usize];
         }
         goals.reverse();
         goals
     }
 
+    /// Whether `other` can be forgotten for `label`: it is dominated, and where both rank the same, its goals
+    /// do not come in the order of smaller ids.
+    fn supersedes(&self, label: &Label, other: &Label) -> bool {
+        label.dominates(other) && (!label.ties(other) || self.goals(label) <= self.goals(other))
+    }
+
     /// Whether a label with this bound could still lead to something better than the best found.
     fn may_improve(&self, bound: f64, reliability: f64) -> bool {
-        let best = &self.labels[self.incumbent as usize];
+        let Some(best) = self.incumbent else { return true };
+        let best = &self.labels[best as usize];
         bound > best.value || (bound == best.value && reliability >= best.reliability)
     }
 
@@ -458,16 +488,17 @@ impl<'a> Search<'a> {
         let head = self.heads.get(&state).copied().unwrap_or(NONE);
         let mut at = head;
         while at != NONE {
-            let other = &mut self.labels[at as usize];
+            let other = &self.labels[at as usize];
+            let next = other.next;
             if !other.dead {
-                if other.dominates(&label) {
+                if self.supersedes(other, &label) {
                     return;
                 }
-                if label.dominates(other) {
-                    other.dead = true;
+                if self.supersedes(&label, other) {
+                    self.labels[at as usize].dead = true;
                 }
             }
-            at = other.next;
+            at = next;
         }
         label.next = head;
         let index = self.labels.len() as u32;
@@ -478,8 +509,8 @@ impl<'a> Search<'a> {
             if known.is_none_or(|known| self.compare(index, known).is_lt()) {
                 self.best_of_set.insert(label.mask, index);
             }
-            if self.compare(index, self.incumbent).is_lt() {
-                self.incumbent = index;
+            if self.incumbent.is_none_or(|best| self.compare(index, best).is_lt()) {
+                self.incumbent = Some(index);
             }
         }
         self.push_open(index);
@@ -498,21 +529,27 @@ impl<'a> Search<'a> {
     /// The most that can still be collected after a label: every goal at its cheapest, the last one in part,
     /// under the tighter of the two budgets (the fractional knapsack bound, Dantzig 1957).
     fn promise(&self, label: &Label) -> Promise {
-        // Rounding may take a knapsack a few units in the last place below the true maximum.
-        const ROUNDING: f64 = 1.0 + 1e-12;
+        // Sums of the same costs in another order differ by rounding; a goal that fits exactly must not be
+        // ruled out by that.
+        const GRACE: f64 = 1e-9;
         let limits = &self.problem.limits;
-        let (time_s, energy_j) = (limits.time_s - label.time_s, limits.energy_j - label.energy_j);
+        let left = |limit: f64, spent: f64| limit - spent + GRACE * limit;
+        let (time_s, energy_j) =
+            (left(limits.time_s, label.time_s), left(limits.energy_j, label.energy_j));
         // A goal that no longer fits alone can never be added.
         let fits = |index: usize| {
             let cheapest = &self.cheapest[index];
             label.mask >> index & 1 == 0
+                && cheapest.time_s.is_finite()
                 && cheapest.time_s <= time_s
                 && cheapest.energy_j <= energy_j
         };
         let [plain_time, plain_energy, reliable_time, reliable_energy] = &self.knapsacks;
-        let plain = plain_time.fill(time_s, fits).min(plain_energy.fill(energy_j, fits));
+        let plain = plain_time.fill(time_s, fits).min(plain_energy.fill(energy_j, fits)) * ROUNDING;
         let reliable = reliable_time.fill(time_s, fits).min(reliable_energy.fill(energy_j, fits));
-        Promise { plain: plain * ROUNDING, reliable: reliable * ROUNDING }
+        // Sums of quantised prizes lie on the ladder; so does the best that can be reached below the bound.
+        let plain = if self.exact { quantised_down(plain) } else { plain };
+        Promise { plain, reliable: reliable * ROUNDING }
     }
 
     fn sequence(&self, label: u32) -> GoalSequence {

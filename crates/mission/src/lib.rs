@@ -1,1 +1,16 @@
 #![doc = include_str!("../README.md")]
+
+mod closed_loop;
+mod error;
+mod file;
+mod mission;
+mod recorder;
+mod ruler;
+mod world;
+
+pub use closed_loop::{Achievement, LegRecord, Progress, RunError, RunStatus, RunSummary, run};
+pub use error::MissionError;
+pub use mission::{MISSION_FILE, Mission, Override};
+pub use recorder::{Memory, RecordError, Recorder};
+pub use ruler::Ruler;
+pub use world::{Execution, Instrument, World};

@@ -1,6 +1,6 @@
 //! J1: Σ prize · Π reliability up to it.
 
-use super::{Objective, Promise};
+use super::{Objective, Promise, ROUNDING};
 
 /// Each result is safe once taken (relayed on arrival), so a late failure costs only what comes after.
 pub(super) struct ExpectedInterest;
@@ -11,6 +11,6 @@ impl Objective for ExpectedInterest {
     }
 
     fn optimistic(&self, value: f64, prizes: Promise, reliability: f64) -> f64 {
-        value + reliability * prizes.reliable
+        (value + reliability * prizes.reliable) * ROUNDING
     }
 }

@@ -70,6 +70,9 @@ pub trait Objective: Sync {
     fn optimistic(&self, value: f64, prizes: Promise, reliability: f64) -> f64;
 }
 
+/// Sums in another order differ by some units in the last place; bounds are raised by more than that.
+pub(crate) const ROUNDING: f64 = 1.0 + 1e-12;
+
 /// What is at most left to collect, in the two forms that objectives ask for.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Promise {

@@ -1,0 +1,471 @@
+//! The closed loop: look, decide, drive, report, until there is nothing left to do.
+
+use std::collections::BTreeMap;
+
+use wisdom_autonomy::{
+    Act, Autonomy, AutonomyError, Decision, Observation, Outcome, Pose, Spent, StepResult,
+};
+use wisdom_goals::{Action, Cause, GoalId};
+use wisdom_grid::Cell;
+use wisdom_planner::Route;
+
+use crate::{Mission, RecordError, Recorder, Ruler};
+
+/// Why a run ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum RunStatus {
+    /// Nothing was left to do: the rover waits in a safe state.
+    Waiting,
+    /// Time or energy ran out on the way.
+    BudgetSpent,
+    /// The mission's limit of decisions was reached.
+    DecisionLimit,
+    /// Somebody asked the run to stop.
+    Stopped,
+}
+
+impl std::fmt::Display for RunStatus {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Waiting => "waiting",
+            Self::BudgetSpent => "budget-spent",
+            Self::DecisionLimit => "decision-limit",
+            Self::Stopped => "stopped",
+        })
+    }
+}
+
+/// A goal that was achieved.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Achievement {
+    /// The goal.
+    pub goal: GoalId,
+    /// Its directive's name.
+    pub directive: String,
+    /// Its target.
+    pub target: Cell,
+    /// Interest at the target on the run's own map when it was achieved.
+    pub interest: f64,
+    /// Its prize then.
+    pub prize: f64,
+    /// Interest there on the common ruler: the noise-free, fully known world under the classical DSm rule.
+    pub ruler: f64,
+    /// Mission time, seconds.
+    pub time_s: f64,
+}
+
+/// How a leg was predicted and how it went.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LegRecord {
+    /// Reliability predicted when it was decided.
+    pub predicted: f64,
+    /// Whether the rover arrived; none if a decision cut it short.
+    pub arrived: Option<bool>,
+}
+
+/// What a run came to.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RunSummary {
+    /// Why it ended.
+    pub status: RunStatus,
+    /// The goals achieved, in order.
+    pub achieved: Vec<Achievement>,
+    /// How often each action was taken, by cause.
+    pub actions: BTreeMap<(Action, Cause), u32>,
+    /// What was spent.
+    pub spent: Spent,
+    /// Decisions taken.
+    pub decisions: u32,
+    /// Observations made.
+    pub observations: u32,
+    /// The legs driven.
+    pub legs: Vec<LegRecord>,
+    /// Every cell the rover stood on, in order.
+    pub track: Vec<Cell>,
+}
+
+impl RunSummary {
+    /// How often an action was taken, whatever the cause.
+    #[must_use]
+    pub fn count(&self, action: Action) -> u32 {
+        self.actions.iter().filter(|((a, _), _)| *a == action).map(|(_, n)| n).sum()
+    }
+
+    /// How often an action was taken for a cause.
+    #[must_use]
+    pub fn count_for(&self, action: Action, cause: Cause) -> u32 {
+        self.actions.get(&(action, cause)).copied().unwrap_or(0)
+    }
+
+    /// Changes of the goals that were reallocations: everything but keeping, deferring and achieving, after
+    /// the first decision.
+    #[must_use]
+    pub fn reallocations(&self) -> u32 {
+        let changes = [Action::Add, Action::Modify, Action::Reorder, Action::Drop];
+        changes
+            .iter()
+            .flat_map(|a| [Cause::Discovery, Cause::Execution].map(|c| self.count_for(*a, c)))
+            .sum()
+    }
+
+    /// Interest gained on the run's own map.
+    #[must_use]
+    pub fn interest(&self) -> f64 {
+        self.achieved.iter().map(|a| a.interest).sum()
+    }
+
+    /// Interest gained on the common ruler.
+    #[must_use]
+    pub fn ruler(&self) -> f64 {
+        self.achieved.iter().map(|a| a.ruler).sum()
+    }
+
+    /// Mean squared difference between predicted reliability and what happened, over legs that ended by
+    /// themselves (Brier 1950); none without such legs.
+    #[must_use]
+    pub fn brier(&self) -> Option<f64> {
+        let ended: Vec<f64> = self
+            .legs
+            .iter()
+            .filter_map(|leg| leg.arrived.map(|a| (leg.predicted - f64::from(u8::from(a))).powi(2)))
+            .collect();
+        (!ended.is_empty()).then(|| ended.iter().sum::<f64>() / ended.len() as f64)
+    }
+}
+
+/// How far a run is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Progress<'a> {
+    /// What was spent.
+    pub spent: Spent,
+    /// The budget's energy, joules.
+    pub energy_j: f64,
+    /// The budget's time, seconds.
+    pub time_s: f64,
+    /// Goals achieved.
+    pub achieved: usize,
+    /// The latest decision, when one was just taken.
+    pub decision: Option<&'a Decision>,
+}
+
+/// Why a run could not go on.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum RunError {
+    /// The core refused something.
+    #[error("the autonomy core stopped: {0}")]
+    Autonomy(#[from] AutonomyError),
+    /// A record could not be kept.
+    #[error("the record could not be kept: {0}")]
+    Record(#[from] RecordError),
+}
+
+/// Runs a mission to its end.
+///
+/// `watch` is called after every decision and look; it returns whether to go on.
+///
+/// # Errors
+/// [`RunError`] if the core or the recorder stops.
+pub fn run(
+    mission: &Mission,
+    recorder: &mut dyn Recorder,
+    watch: &mut dyn FnMut(&Progress<'_>) -> bool,
+) -> Result<RunSummary, RunError> {
+    let rover = Autonomy::new(mission.spec.clone())?;
+    let start = mission.world.execution().start;
+    let simulation = Simulation {
+        mission,
+        rover,
+        recorder,
+        watch,
+        pose: Pose { cell: start, heading_rad: mission.world.execution().heading_rad },
+        spent: Spent::default(),
+        observations: 0,
+        looks: 0,
+        last_look: None,
+        operators: 0,
+        entries: BTreeMap::new(),
+        going_on: true,
+        summary: RunSummary {
+            status: RunStatus::Waiting,
+            achieved: Vec::new(),
+            actions: BTreeMap::new(),
+            spent: Spent::default(),
+            decisions: 0,
+            observations: 0,
+            legs: Vec::new(),
+            track: vec![start],
+        },
+        ruler: Ruler::new(mission),
+    };
+    simulation.run()
+}
+
+/// How a drive ended.
+enum Drive {
+    Arrived,
+    /// The core wants to decide.
+    Interrupted,
+    Blocked,
+    Aborted,
+}
+
+struct Simulation<'a> {
+    mission: &'a Mission,
+    rover: Autonomy,
+    recorder: &'a mut dyn Recorder,
+    watch: &'a mut dyn FnMut(&Progress<'_>) -> bool,
+    pose: Pose,
+    spent: Spent,
+    observations: u32,
+    looks: u32,
+    last_look: Option<Cell>,
+    operators: u32,
+    /// How often each cell was entered.
+    entries: BTreeMap<Cell, u32>,
+    going_on: bool,
+    summary: RunSummary,
+    ruler: Ruler,
+}
+
+impl Simulation<'_> {
+    fn run(mut self) -> Result<RunSummary, RunError> {
+        let prior = self.mission.world.prior(&self.mission.spec.layers);
+        self.observe(prior)?;
+        self.look()?;
+        self.summary.status = loop {
+            if self.summary.decisions == self.mission.world.execution().max_decisions {
+                break RunStatus::DecisionLimit;
+            }
+            let decision = self.decide()?;
+            if !self.going_on {
+                break RunStatus::Stopped;
+            }
+            let outcome = match &decision.act {
+                Act::Pursue(goal) => self.pursue(&decision, *goal)?,
+                Act::Look { route, .. } | Act::Home { route } => {
+                    self.reposition(&decision, &route.clone())?
+                }
+                _ => break RunStatus::Waiting,
+            };
+            self.recorder.outcome(&outcome)?;
+            self.rover.report(&outcome)?;
+            if self.is_spent() {
+                // The budget is gone: one last decision says what is left to say, and the rover waits.
+                self.decide()?;
+                break RunStatus::BudgetSpent;
+            }
+        };
+        self.summary.spent = self.spent;
+        self.summary.observations = self.observations;
+        Ok(self.summary)
+    }
+
+    fn is_spent(&self) -> bool {
+        let budget = &self.mission.spec.budget;
+        self.spent.time_s >= budget.time_s
+            || self.spent.energy_j >= budget.energy_j - budget.reserve_j
+    }
+
+    fn watch(&mut self, decision: Option<&Decision>) {
+        let budget = &self.mission.spec.budget;
+        let progress = Progress {
+            spent: self.spent,
+            energy_j: budget.energy_j - budget.reserve_j,
+            time_s: budget.time_s,
+            achieved: self.summary.achieved.len(),
+            decision,
+        };
+        self.going_on &= (self.watch)(&progress);
+    }
+
+    fn decide(&mut self) -> Result<Decision, RunError> {
+        let decision = self.rover.decide()?;
+        for verdict in &decision.verdicts {
+            *self.summary.actions.entry((verdict.action, verdict.cause)).or_default() += 1;
+            if verdict.action == Action::Achieve {
+                let goal = &verdict.goal;
+                self.summary.achieved.push(Achievement {
+                    goal: goal.id,
+                    directive: self.mission.spec.directives[goal.directive].name.clone(),
+                    target: goal.target,
+                    interest: goal.interest,
+                    prize: goal.prize,
+                    ruler: self.ruler.interest(goal.target),
+                    time_s: self.spent.time_s,
+                });
+            }
+        }
+        self.summary.decisions += 1;
+        if let Some(maps) = self.rover.maps() {
+            self.recorder.decision(&decision, maps)?;
+        }
+        self.watch(Some(&decision));
+        Ok(decision)
+    }
+
+    fn observe(&mut self, windows: Vec<wisdom_autonomy::LayerWindow>) -> Result<(), RunError> {
+        let observation =
+            Observation { number: self.observations, pose: self.pose, spent: self.spent, windows };
+        self.recorder.observation(&observation)?;
+        self.rover.observe(&observation)?;
+        self.observations += 1;
+        Ok(())
+    }
+
+    /// A look with all instruments, unless the last one was from here.
+    fn look(&mut self) -> Result<(), RunError> {
+        if self.last_look == Some(self.pose.cell) || self.mission.world.instruments().is_empty() {
+            return Ok(());
+        }
+        let windows = self.mission.world.look(self.pose, self.looks);
+        self.looks += 1;
+        self.last_look = Some(self.pose.cell);
+        self.observe(windows)?;
+        self.watch(None);
+        Ok(())
+    }
+
+    /// Drives the first leg of the chosen plan and carries out its goal's operators.
+    fn pursue(&mut self, decision: &Decision, goal: GoalId) -> Result<Outcome, RunError> {
+        let chosen = decision.plan();
+        let expansion = chosen.sequence.stops[0].expansion.clone();
+        let route = chosen.plan.legs[0].route.clone();
+        let mut done: Vec<String> = Vec::new();
+        for &index in &expansion.before {
+            self.operate(index, &mut done);
+        }
+        let from = self.summary.track.len() - 1;
+        let drive = self.drive(&route)?;
+        if self.summary.track.len() > from + 1 || matches!(drive, Drive::Arrived) {
+            self.operate(self.mission.spec.domain.drive(), &mut done);
+        }
+        let result = match drive {
+            Drive::Blocked => StepResult::Blocked(goal),
+            Drive::Aborted => StepResult::Aborted(goal),
+            Drive::Interrupted => StepResult::Interrupted(goal),
+            Drive::Arrived => {
+                self.look()?;
+                if self.rover.triggers().is_empty() {
+                    for &index in &expansion.after {
+                        self.operate(index, &mut done);
+                    }
+                    StepResult::Achieved(goal)
+                } else {
+                    StepResult::Interrupted(goal)
+                }
+            }
+        };
+        self.leg(route.cost.reliability(), &drive);
+        Ok(self.outcome(decision.number, result, done, route.cost.reliability(), from))
+    }
+
+    fn reposition(&mut self, decision: &Decision, route: &Route) -> Result<Outcome, RunError> {
+        // Whatever must be true before driving (a stowed arm) is made true as for a goal.
+        let mut done = Vec::new();
+        let domain = &self.mission.spec.domain;
+        let ready = domain.expand(self.rover.facts(), wisdom_goals::FactSet::EMPTY);
+        for index in ready.map(|e| e.before).unwrap_or_default() {
+            self.operate(index, &mut done);
+        }
+        self.operate(self.mission.spec.domain.drive(), &mut done);
+        let from = self.summary.track.len() - 1;
+        let drive = self.drive(route)?;
+        let result = match drive {
+            Drive::Arrived => {
+                self.look()?;
+                StepResult::Arrived
+            }
+            Drive::Interrupted => StepResult::Arrived,
+            Drive::Blocked | Drive::Aborted => StepResult::Stopped,
+        };
+        self.leg(route.cost.reliability(), &drive);
+        Ok(self.outcome(decision.number, result, done, route.cost.reliability(), from))
+    }
+
+    fn leg(&mut self, predicted: f64, drive: &Drive) {
+        let arrived = match drive {
+            Drive::Arrived => Some(true),
+            Drive::Interrupted => None,
+            Drive::Blocked | Drive::Aborted => Some(false),
+        };
+        self.summary.legs.push(LegRecord { predicted, arrived });
+    }
+
+    fn outcome(
+        &self,
+        decision: u32,
+        result: StepResult,
+        operators: Vec<String>,
+        predicted_reliability: f64,
+        from: usize,
+    ) -> Outcome {
+        Outcome {
+            decision,
+            result,
+            operators,
+            pose: self.pose,
+            spent: self.spent,
+            predicted_reliability,
+            track: self.summary.track[from..].to_vec(),
+        }
+    }
+
+    /// One operator: its costs, scattered.
+    fn operate(&mut self, index: usize, done: &mut Vec<String>) {
+        let operator = &self.mission.spec.domain.operators()[index];
+        let factor = self.mission.world.service_factor(self.operators);
+        self.operators += 1;
+        self.spent.time_s += operator.cost.time_s * factor;
+        self.spent.energy_j += operator.cost.energy_j * factor;
+        self.spent.data_mb += operator.cost.data_mb;
+        done.push(operator.name.clone());
+    }
+
+    /// Drives a route cell by cell over the true ground, looking as it goes.
+    fn drive(&mut self, route: &Route) -> Result<Drive, RunError> {
+        let world = &self.mission.world;
+        let mut since_look_m = 0.0;
+        for pair in route.cells.windows(2) {
+            let (from, to) = (pair[0], pair[1]);
+            let Some(cost) = world.ground().edge(from, to) else {
+                // The reactive layer: ground the map took for passable is not.
+                self.observe(world.close_look(from))?;
+                return Ok(Drive::Blocked);
+            };
+            let entry = self.entries.entry(to).and_modify(|n| *n += 1).or_insert(1);
+            let entry = *entry;
+            let factor = world.slip_factor(to, entry);
+            self.spent.time_s += cost.time_s * factor;
+            self.spent.energy_j += cost.energy_j * factor;
+            self.spent.length_m += cost.length_m;
+            self.pose = Pose { cell: to, heading_rad: heading(from, to) };
+            self.summary.track.push(to);
+            since_look_m += cost.length_m;
+            if world.hazard_strikes(cost.neg_ln_r, to, entry) {
+                self.spent.time_s += world.execution().recovery_s;
+                self.look()?;
+                return Ok(Drive::Aborted);
+            }
+            if self.is_spent() {
+                return Ok(Drive::Aborted);
+            }
+            if since_look_m >= world.execution().look_every_m && Some(&to) != route.cells.last() {
+                since_look_m = 0.0;
+                self.look()?;
+                if !self.rover.triggers().is_empty() {
+                    return Ok(Drive::Interrupted);
+                }
+            }
+        }
+        Ok(Drive::Arrived)
+    }
+}
+
+/// Heading of a step, radians clockwise from north.
+fn heading(from: Cell, to: Cell) -> f64 {
+    let north = from.row as f64 - to.row as f64;
+    let east = to.col as f64 - from.col as f64;
+    libm::atan2(east, north).rem_euclid(std::f64::consts::TAU)
+}

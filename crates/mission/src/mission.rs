@@ -1,0 +1,811 @@
+//! A mission: everything its folder says, checked.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use toml_edit::{DocumentMut, Item, Value};
+use wisdom_autonomy::{
+    ApproachSpec, Budget, Derivation, ELEVATION, Fallback, LayerSpec, MapUpdate, Source, Spec,
+    Triggers,
+};
+use wisdom_belief::{InterestMass, Opinion, ParadoxPolicy, Rule};
+use wisdom_fusion::{Band, Class, Expert, Fusion, LookupTable, Rows, Statistic};
+use wisdom_goals::{
+    Directive, Domain, Extraction, MAX_SEQUENCED, ManagerSpec, OperatorText, Policy, PrizeScale,
+    ServiceCost,
+};
+use wisdom_grid::{Cell, GridSpec};
+use wisdom_terrain::Landscape;
+
+use crate::MissionError;
+use crate::file::{DerivedName, ExpertFile, Kind, MissionFile, PriorKind, UpdateName};
+use crate::world::{Execution, Instrument, LayerTruth, Prior, ReadingKind, World};
+
+/// The name of the file that a mission's folder is read from.
+pub const MISSION_FILE: &str = "mission.toml";
+
+/// A change to `mission.toml`, as `--set key=value` gives it: a dotted path (`budget.energy-j`,
+/// `directive.0.weight`) and a TOML value; text that is no TOML value is taken as a string.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Override {
+    /// The dotted path.
+    pub key: String,
+    /// The value as written.
+    pub value: String,
+}
+
+impl Override {
+    /// A change of one key.
+    pub fn new(key: impl Into<String>, value: impl Into<String>) -> Self {
+        Self { key: key.into(), value: value.into() }
+    }
+}
+
+/// A mission, ready to run.
+#[derive(Debug, Clone)]
+pub struct Mission {
+    /// Its name.
+    pub name: String,
+    /// One line on what it is.
+    pub summary: String,
+    /// Seed of everything random in its world.
+    pub seed: u64,
+    /// What the core is told.
+    pub spec: Spec,
+    /// What is true, and how the rover senses and moves.
+    pub world: World,
+    /// The changes it was read with.
+    pub overrides: Vec<Override>,
+    /// Every file it consists of, by its path in the mission's folder, byte for byte; `mission.toml` with
+    /// the overrides applied.
+    pub files: BTreeMap<String, Vec<u8>>,
+    /// Digest over all files, the mission's identity.
+    pub digest: [u8; 32],
+}
+
+impl Mission {
+    /// Reads a mission from its folder, or from its `mission.toml`.
+    ///
+    /// # Errors
+    /// [`MissionError`] naming file, line, column, key, the value found and what was expected.
+    pub fn load(path: &Path, overrides: &[Override]) -> Result<Self, MissionError> {
+        let file = if path.is_dir() { path.join(MISSION_FILE) } else { path.to_path_buf() };
+        let name = file
+            .file_name()
+            .map_or_else(|| MISSION_FILE.into(), |n| n.to_string_lossy().into_owned());
+        let folder = file.parent().map(Path::to_path_buf).unwrap_or_default();
+        let mut read = |relative: &str| {
+            let place = if relative == MISSION_FILE { file.clone() } else { folder.join(relative) };
+            std::fs::read(&place)
+                .map_err(|error| MissionError::of_file(&place.display().to_string(), error))
+        };
+        let _ = name;
+        Self::read(&mut read, overrides)
+    }
+
+    /// Reads a mission from the files that a log carries.
+    ///
+    /// # Errors
+    /// [`MissionError`] as [`Mission::load`], and for a file that is not among them.
+    pub fn from_files(files: &BTreeMap<String, Vec<u8>>) -> Result<Self, MissionError> {
+        let mut read = |relative: &str| {
+            files
+                .get(relative)
+                .cloned()
+                .ok_or_else(|| MissionError::of_file(relative, "is not among the mission's files"))
+        };
+        Self::read(&mut read, &[])
+    }
+
+    fn read(
+        read: &mut dyn FnMut(&str) -> Result<Vec<u8>, MissionError>,
+        overrides: &[Override],
+    ) -> Result<Self, MissionError> {
+        let mut files = BTreeMap::new();
+        let text = text_of(MISSION_FILE, read(MISSION_FILE)?)?;
+        let text = changed(text, overrides)?;
+        files.insert(MISSION_FILE.to_owned(), text.clone().into_bytes());
+        let parsed: MissionFile =
+            toml::from_str(&text).map_err(|e| MissionError::of_toml(MISSION_FILE, &text, &e))?;
+        let mut fetch = |path: &str| -> Result<Vec<u8>, MissionError> {
+            if let Some(bytes) = files.get(path) {
+                return Ok(bytes.clone());
+            }
+            let bytes = read(path)?;
+            files.insert(path.to_owned(), bytes.clone());
+            Ok(bytes)
+        };
+        let reader = Reader { file: &parsed, text: &text };
+        let (spec, world) = reader.assemble(&mut fetch)?;
+        let mut digest = blake3::Hasher::new();
+        for (path, bytes) in &files {
+            digest.update(&(path.len() as u64).to_le_bytes());
+            digest.update(path.as_bytes());
+            digest.update(&(bytes.len() as u64).to_le_bytes());
+            digest.update(bytes);
+        }
+        Ok(Self {
+            name: parsed.name.clone(),
+            summary: parsed.summary.clone(),
+            seed: parsed.seed,
+            spec,
+            world,
+            overrides: overrides.to_vec(),
+            digest: *digest.finalize().as_bytes(),
+            files,
+        })
+    }
+}
+
+fn text_of(file: &str, bytes: Vec<u8>) -> Result<String, MissionError> {
+    String::from_utf8(bytes)
+        .map_err(|error| MissionError::of_file(file, format!("is not UTF-8: {error}")))
+}
+
+/// The text with the overrides applied.
+fn changed(text: String, overrides: &[Override]) -> Result<String, MissionError> {
+    if overrides.is_empty() {
+        return Ok(text);
+    }
+    // A file that does not parse gets its own error, with its place, later.
+    let Ok(mut document) = text.parse::<DocumentMut>() else { return Ok(text) };
+    for change in overrides {
+        let error = |message: String| {
+            MissionError::of_file("--set", format!("{}={}: {message}", change.key, change.value))
+        };
+        let value: Value = change
+            .value
+            .parse()
+            .or_else(|_| {
+                format!("\"{}\"", change.value.replace('\\', "\\\\").replace('"', "\\\"")).parse()
+            })
+            .map_err(|_| error("not a value".into()))?;
+        let mut keys: Vec<&str> = change.key.split('.').collect();
+        let last = keys.pop().filter(|k| !k.is_empty()).ok_or_else(|| error("no key".into()))?;
+        let mut item: &mut Item = document.as_item_mut();
+        for key in keys {
+            item = match key.parse::<usize>() {
+                Ok(index) => {
+                    item.get_mut(index).ok_or_else(|| error(format!("there is no [{index}]")))?
+                }
+                Err(_) => {
+                    if item.get(key).is_none() {
+                        item[key] = toml_edit::table();
+                    }
+                    item.get_mut(key).ok_or_else(|| error(format!("`{key}` cannot be set")))?
+                }
+            };
+        }
+        if item.as_table_like().is_none() {
+            return Err(error(format!("`{last}` would lie in something that is no table")));
+        }
+        item[last] = Item::Value(value);
+    }
+    Ok(document.to_string())
+}
+
+/// Turns the shape of a file into a spec and a world.
+struct Reader<'a> {
+    file: &'a MissionFile,
+    text: &'a str,
+}
+
+type Fetch<'a> = &'a mut dyn FnMut(&str) -> Result<Vec<u8>, MissionError>;
+
+impl Reader<'_> {
+    fn error(&self, path: &[&str], message: impl std::fmt::Display) -> MissionError {
+        MissionError::at_key(MISSION_FILE, self.text, path, message)
+    }
+
+    /// A number that must lie in a range.
+    fn within(&self, path: &[&str], value: f64, low: f64, high: f64) -> Result<f64, MissionError> {
+        if value.is_finite() && value >= low && value <= high {
+            return Ok(value);
+        }
+        let expected = if high.is_infinite() {
+            format!("expected a number of at least {low}")
+        } else {
+            format!("expected a number from {low} to {high}")
+        };
+        Err(self.error(path, format!("{value}; {expected}")))
+    }
+
+    /// A name that must be one of a list.
+    fn named<T: std::str::FromStr + Default>(
+        &self,
+        key: &str,
+        name: Option<&str>,
+    ) -> Result<T, MissionError>
+    where
+        T::Err: std::fmt::Display,
+    {
+        name.map_or_else(|| Ok(T::default()), |n| n.parse().map_err(|e| self.error(&[key], e)))
+    }
+
+    fn assemble(&self, fetch: Fetch<'_>) -> Result<(Spec, World), MissionError> {
+        let file = self.file;
+        let mut truth = self.truth(fetch)?;
+        let grid = truth[ELEVATION].layer.spec();
+        let layers = self.layers(&truth)?;
+        let experts = file
+            .experts
+            .iter()
+            .enumerate()
+            .map(|(i, path)| self.expert(i, path, &layers, fetch))
+            .collect::<Result<Vec<_>, _>>()?;
+        let fusion = Fusion {
+            rule: self.named::<Rule>("rule", file.rule.as_deref())?,
+            paradox_policy: self.named::<ParadoxPolicy>("paradox", file.paradox.as_deref())?,
+            statistic: self.named::<Statistic>("statistic", file.statistic.as_deref())?,
+        };
+        fusion.check(experts.len()).map_err(|e| self.error(&["experts"], e))?;
+        let domain = self.domain()?;
+        let directives = self.directives(&domain, &experts)?;
+        let manager = self.manager()?;
+        let start = self.start(grid)?;
+        file.rover.vehicle.validate().map_err(|e| self.error(&["rover", "vehicle"], e))?;
+        let budget = self.budget()?;
+        let within = |path: &[&str], value, low, high| self.within(path, value, low, high);
+        let spec = Spec {
+            grid,
+            layers,
+            experts,
+            fusion,
+            prize: self.named::<PrizeScale>("prize", file.prize.as_deref())?,
+            policy: self.named::<Policy>("policy", file.policy.as_deref())?,
+            domain,
+            directives,
+            manager,
+            vehicle: file.rover.vehicle.clone(),
+            budget,
+            triggers: Triggers {
+                interest_change: within(
+                    &["triggers", "interest-change"],
+                    file.triggers.interest_change,
+                    0.0,
+                    1.0,
+                )?,
+                budget_drift: within(
+                    &["triggers", "budget-drift"],
+                    file.triggers.budget_drift,
+                    0.0,
+                    f64::INFINITY,
+                )?,
+            },
+            fallback: Fallback {
+                max_looks: file.fallback.max_looks,
+                look_range_m: within(
+                    &["fallback", "look-range-m"],
+                    file.fallback.look_range_m,
+                    0.0,
+                    f64::INFINITY,
+                )?,
+                min_ignorance: within(
+                    &["fallback", "min-ignorance"],
+                    file.fallback.min_ignorance,
+                    0.0,
+                    1.0,
+                )?,
+                home: start,
+                return_home: file.fallback.return_home,
+            },
+            approach: ApproachSpec {
+                eye_height_m: within(
+                    &["rover", "eye-height-m"],
+                    file.rover.eye_height_m,
+                    0.0,
+                    f64::INFINITY,
+                )?,
+                poses: file.rover.poses.clamp(1, 4),
+            },
+        };
+        wisdom_autonomy::Autonomy::new(spec.clone())
+            .map_err(|e| MissionError::of_file(MISSION_FILE, e))?;
+        let world = World::new(
+            file.seed,
+            std::mem::take(&mut truth),
+            &spec.vehicle,
+            self.instruments(&spec.layers)?,
+            self.prior(grid, &spec.layers)?,
+            Execution {
+                start,
+                heading_rad: file.rover.heading_deg.to_radians(),
+                look_every_m: within(
+                    &["rover", "look-every-m"],
+                    file.rover.look_every_m,
+                    grid.spacing_m(),
+                    f64::INFINITY,
+                )?,
+                slip_scatter: within(
+                    &["execution", "slip-scatter"],
+                    file.execution.slip_scatter,
+                    0.0,
+                    1.0,
+                )?,
+                operator_scatter: within(
+                    &["execution", "operator-scatter"],
+                    file.execution.operator_scatter,
+                    0.0,
+                    1.0,
+                )?,
+                recovery_s: within(
+                    &["execution", "recovery-s"],
+                    file.execution.recovery_s,
+                    0.0,
+                    f64::INFINITY,
+                )?,
+                hazard_camera_m: within(
+                    &["execution", "hazard-camera-m"],
+                    file.execution.hazard_camera_m,
+                    grid.spacing_m(),
+                    100.0,
+                )?,
+                max_decisions: file.execution.max_decisions,
+            },
+            file.terrain.body_radius_m,
+        )
+        .map_err(|e| MissionError::of_file(MISSION_FILE, e))?;
+        Ok((spec, world))
+    }
+
+    /// The true layers, from a landscape or from files, all on one grid.
+    fn truth(&self, fetch: Fetch<'_>) -> Result<BTreeMap<String, LayerTruth>, MissionError> {
+        let file = self.file;
+        let rendered = match &file.terrain.landscape {
+            None => BTreeMap::new(),
+            Some(path) => {
+                let text = text_of(path, fetch(path)?)?;
+                let landscape: Landscape =
+                    toml::from_str(&text).map_err(|e| MissionError::of_toml(path, &text, &e))?;
+                let (Some(rows), Some(cols)) = (file.terrain.rows, file.terrain.cols) else {
+                    return Err(self.error(&["terrain"], "a landscape needs `rows` and `cols`"));
+                };
+                let spec = GridSpec::new(rows, cols, file.terrain.spacing_m.unwrap_or(1.0))
+                    .map_err(|e| self.error(&["terrain"], e))?;
+                landscape.render(spec, file.seed)
+            }
+        };
+        let mut truth: BTreeMap<String, LayerTruth> = BTreeMap::new();
+        for (i, layer) in file.layer.iter().enumerate() {
+            let index = i.to_string();
+            let at = |key: &'static str| ["layer", index.as_str(), key].map(str::to_owned);
+            let path_of = |path: [String; 3]| path;
+            let error = |key: &'static str, message: String| {
+                let path = path_of(at(key));
+                self.error(&path.each_ref().map(String::as_str), message)
+            };
+            if truth.contains_key(&layer.name) {
+                return Err(error("name", format!("layer `{}` is given twice", layer.name)));
+            }
+            if layer.derived.is_some() {
+                if layer.file.is_some() {
+                    return Err(error("file", "a derived layer has no file".into()));
+                }
+                continue;
+            }
+            let values = match (&layer.file, rendered.get(&layer.name)) {
+                (Some(path), _) => {
+                    let grid = wisdom_terrain::format::read(path, &fetch(path)?)
+                        .map_err(|e| error("file", e.to_string()))?;
+                    grid.into_layer().map_err(|e| error("file", e.to_string()))?
+                }
+                (None, Some(raster)) => wisdom_terrain::Layer::certain(raster.clone())
+                    .map_err(|e| error("name", e.to_string()))?,
+                (None, None) => {
+                    let known: Vec<&str> = rendered.keys().map(String::as_str).collect();
+                    let expected = if known.is_empty() {
+                        "expected a `file` with its true values".to_owned()
+                    } else {
+                        format!(
+                            "expected a `file`, or a layer of the landscape: {}",
+                            known.join(", ")
+                        )
+                    };
+                    return Err(error(
+                        "name",
+                        format!("nothing gives `{}`; {expected}", layer.name),
+                    ));
+                }
+            };
+            let site_u = match &layer.uncertainty_file {
+                None => None,
+                Some(path) => {
+                    let grid = wisdom_terrain::format::read(path, &fetch(path)?)
+                        .map_err(|e| error("uncertainty-file", e.to_string()))?;
+                    let cells = grid.raster.values().iter().zip(grid.known.values());
+                    let u: Vec<f32> = cells
+                        .map(|(u, known)| if *known { u.clamp(0.0, 1.0) } else { 1.0 })
+                        .collect();
+                    Some(
+                        wisdom_grid::Raster::from_vec(grid.raster.spec(), u)
+                            .map_err(|e| error("uncertainty-file", e.to_string()))?,
+                    )
+                }
+            };
+            let kind = match layer.kind.unwrap_or(Kind::Scalar) {
+                Kind::Scalar => {
+                    let sigma = layer.sigma.unwrap_or(0.0);
+                    if !(sigma.is_finite() && sigma >= 0.0) {
+                        return Err(error(
+                            "sigma",
+                            format!("{sigma}; expected a number of at least 0"),
+                        ));
+                    }
+                    ReadingKind::Scalar { sigma }
+                }
+                Kind::Class => {
+                    let classes = layer.classes.clone().unwrap_or_default();
+                    if classes.len() < 2 {
+                        return Err(error(
+                            "classes",
+                            "a class layer needs at least two `classes`".into(),
+                        ));
+                    }
+                    ReadingKind::Class { classes: classes.into_iter().map(f32::from).collect() }
+                }
+            };
+            if let Some((name, first)) = truth.iter().next() {
+                for found in std::iter::once(values.spec())
+                    .chain(site_u.as_ref().map(wisdom_grid::Raster::spec))
+                {
+                    let expected = first.layer.spec();
+                    if found != expected {
+                        let message = format!(
+                            "`{}` lies on {}, `{name}` on {}; the layers of a mission share one grid",
+                            layer.name,
+                            shown(found),
+                            shown(expected)
+                        );
+                        return Err(error("file", message));
+                    }
+                }
+            }
+            truth.insert(layer.name.clone(), LayerTruth { layer: values, site_u, kind });
+        }
+        if !truth.contains_key(ELEVATION) {
+            return Err(
+                self.error(&["layer"], "no measured layer is named `elevation`; routes need one")
+            );
+        }
+        Ok(truth)
+    }
+
+    fn layers(&self, truth: &BTreeMap<String, LayerTruth>) -> Result<Vec<LayerSpec>, MissionError> {
+        self.file
+            .layer
+            .iter()
+            .enumerate()
+            .map(|(i, layer)| {
+                let source = match layer.derived {
+                    Some(DerivedName::Gradient) => Source::Derived(Derivation::Gradient),
+                    Some(DerivedName::Slope) => Source::Derived(Derivation::Slope),
+                    Some(DerivedName::Step) => Source::Derived(Derivation::Step),
+                    Some(DerivedName::Roughness) => Source::Derived(Derivation::Roughness),
+                    None => Source::Measured(match layer.update.unwrap_or(UpdateName::Best) {
+                        UpdateName::Best => MapUpdate::Best,
+                        UpdateName::Latest => MapUpdate::Latest,
+                        UpdateName::Weighted => MapUpdate::Weighted,
+                    }),
+                };
+                let classes = truth.get(&layer.name).is_some_and(|t| matches!(t.kind, ReadingKind::Class { .. }));
+                if classes && source == Source::Measured(MapUpdate::Weighted) {
+                    let index = i.to_string();
+                    return Err(self.error(
+                        &["layer", &index, "update"],
+                        "`weighted` means averaging, and classes have no mean; expected `best` or `latest`",
+                    ));
+                }
+                Ok(LayerSpec { name: layer.name.clone(), unit: layer.unit.clone(), source })
+            })
+            .collect()
+    }
+
+    fn expert(
+        &self,
+        index: usize,
+        path: &str,
+        layers: &[LayerSpec],
+        fetch: Fetch<'_>,
+    ) -> Result<Expert, MissionError> {
+        let text = text_of(path, fetch(path)?)?;
+        let file: ExpertFile =
+            toml::from_str(&text).map_err(|e| MissionError::of_toml(path, &text, &e))?;
+        let error =
+            |keys: &[&str], message: String| MissionError::at_key(path, &text, keys, message);
+        let opinion = |keys: &[&str], paradox, not_interesting, interesting| {
+            let opinion = Opinion { paradox, not_interesting, interesting };
+            InterestMass::try_from(opinion).map_err(|e| error(keys, e.to_string())).map(|_| opinion)
+        };
+        let outside = opinion(
+            &["outside"],
+            file.outside.paradox,
+            file.outside.not_interesting,
+            file.outside.interesting,
+        )?;
+        if !file.band.is_empty() && !file.class.is_empty() {
+            return Err(error(&["class"], "a table has bands or classes, not both".into()));
+        }
+        let rows = if file.class.is_empty() {
+            let bands = file.band.iter().enumerate().map(|(i, b)| {
+                let opinion = opinion(
+                    &["band", &i.to_string()],
+                    b.paradox,
+                    b.not_interesting,
+                    b.interesting,
+                )?;
+                Ok(Band { lo: b.from, hi: b.to, opinion })
+            });
+            Rows::Bands(bands.collect::<Result<_, MissionError>>()?)
+        } else {
+            let classes = file.class.iter().enumerate().map(|(i, c)| {
+                let opinion = opinion(
+                    &["class", &i.to_string()],
+                    c.paradox,
+                    c.not_interesting,
+                    c.interesting,
+                )?;
+                Ok(Class { class: c.value, opinion })
+            });
+            Rows::Classes(classes.collect::<Result<_, MissionError>>()?)
+        };
+        let table = LookupTable::new(
+            file.name.clone(),
+            file.quantity.clone(),
+            file.unit.clone(),
+            rows,
+            outside,
+        )
+        .map_err(|e| MissionError::of_file(path, e))?;
+        let Some(layer) = layers.iter().find(|l| l.name == file.layer) else {
+            let known: Vec<&str> = layers.iter().map(|l| l.name.as_str()).collect();
+            let message =
+                format!("`{}` is no layer of the mission; it has {}", file.layer, known.join(", "));
+            return Err(error(&["layer"], message));
+        };
+        if layer.unit != file.unit {
+            let message = format!(
+                "`{}`, but layer `{}` is in `{}` (experts[{index}])",
+                file.unit, layer.name, layer.unit
+            );
+            return Err(error(&["unit"], message));
+        }
+        Ok(Expert { name: file.name, layer: file.layer, table })
+    }
+
+    fn domain(&self) -> Result<Domain, MissionError> {
+        let operators: Vec<OperatorText> = self
+            .file
+            .operator
+            .iter()
+            .map(|o| OperatorText {
+                name: o.name.clone(),
+                preconditions: o.preconditions.clone(),
+                adds: o.adds.clone(),
+                deletes: o.deletes.clone(),
+                cost: ServiceCost { time_s: o.time_s, energy_j: o.energy_j, data_mb: o.data_mb },
+            })
+            .collect();
+        Domain::new(&operators, &self.file.facts).map_err(|e| self.error(&["operator"], e))
+    }
+
+    fn directives(
+        &self,
+        domain: &Domain,
+        experts: &[Expert],
+    ) -> Result<Vec<Directive>, MissionError> {
+        let files = &self.file.directive;
+        let mut directives = Vec::new();
+        for (i, d) in files.iter().enumerate() {
+            let index = i.to_string();
+            let at = |key: &'static str| ["directive".to_owned(), index.clone(), key.to_owned()];
+            let error = |key: &'static str, message: String| {
+                self.error(&at(key).each_ref().map(String::as_str), message)
+            };
+            let number = |key: &'static str, value: f64, low: f64, high: f64| {
+                self.within(&at(key).each_ref().map(String::as_str), value, low, high)
+            };
+            if files[..i].iter().any(|other| other.name == d.name) {
+                return Err(error("name", format!("directive `{}` is given twice", d.name)));
+            }
+            let experts = d
+                .experts
+                .iter()
+                .map(|name| {
+                    experts.iter().position(|e| e.name == *name).ok_or_else(|| {
+                        let known: Vec<&str> = experts.iter().map(|e| e.name.as_str()).collect();
+                        error(
+                            "experts",
+                            format!("`{name}` is no expert; there are {}", known.join(", ")),
+                        )
+                    })
+                })
+                .collect::<Result<Vec<_>, _>>()?;
+            let substitute = match &d.substitute {
+                None => None,
+                Some(name) => {
+                    Some(files.iter().position(|o| o.name == *name).ok_or_else(|| {
+                        error("substitute", format!("`{name}` is no directive of this mission"))
+                    })?)
+                }
+            };
+            let achieves = domain.set(&d.achieves).map_err(|e| error("achieves", e.to_string()))?;
+            if achieves == wisdom_goals::FactSet::EMPTY {
+                return Err(error("achieves", "a directive must want at least one fact".into()));
+            }
+            if domain.expand(domain.initial(), achieves).is_none() {
+                let message = "no sequence of operators brings this about from the initial facts";
+                return Err(error("achieves", message.into()));
+            }
+            directives.push(Directive {
+                name: d.name.clone(),
+                experts,
+                min_credit: number("min-credit", d.min_credit, 0.0, 1.0)?,
+                min_interest: number("min-interest", d.min_interest, 0.0, 1.0)?,
+                weight: number("weight", d.weight, 1e-6, 1e3)?,
+                requires: domain.set(&d.requires).map_err(|e| error("requires", e.to_string()))?,
+                achieves,
+                standoff_m: number("standoff-m", d.standoff_m, 0.0, 1e4)?,
+                max_attempts: d.max_attempts.max(1),
+                exclusion_radius_m: number("exclusion-radius-m", d.exclusion_radius_m, 0.0, 1e6)?,
+                substitute,
+            });
+        }
+        if directives.is_empty() {
+            return Err(self.error(&["directive"], "expected at least one directive"));
+        }
+        Ok(directives)
+    }
+
+    fn manager(&self) -> Result<ManagerSpec, MissionError> {
+        let goals = &self.file.goals;
+        let number = |key: &str, value, low, high| self.within(&["goals", key], value, low, high);
+        if goals.max_sequenced == 0 || goals.max_sequenced > MAX_SEQUENCED {
+            let message = format!("{}; expected 1 to {MAX_SEQUENCED}", goals.max_sequenced);
+            return Err(self.error(&["goals", "max-sequenced"], message));
+        }
+        if let Some(floor) = goals.percentile_floor {
+            number("percentile-floor", floor, 0.0, 100.0)?;
+        }
+        Ok(ManagerSpec {
+            extraction: Extraction {
+                min_prominence: number("min-prominence", goals.min_prominence, 1e-6, 1.0)?,
+                min_separation_m: number(
+                    "min-separation-m",
+                    goals.min_separation_m,
+                    0.0,
+                    f64::INFINITY,
+                )?,
+                percentile_floor: goals.percentile_floor,
+                max_sites: goals.max_known.clamp(1, 1000),
+            },
+            hysteresis: number("hysteresis", goals.hysteresis, 0.0, 10.0)?,
+            identity_radius_m: number(
+                "identity-radius-m",
+                goals.identity_radius_m,
+                0.0,
+                f64::INFINITY,
+            )?,
+            max_sequenced: goals.max_sequenced,
+            family: goals.family.clamp(1, 100),
+            expansions: goals.expansions.max(1),
+            max_reopenings: goals.max_reopenings,
+        })
+    }
+
+    fn start(&self, grid: GridSpec) -> Result<Cell, MissionError> {
+        let [row, col] = self.file.rover.start;
+        let start = Cell { row, col };
+        if grid.contains(start) {
+            return Ok(start);
+        }
+        Err(self.error(&["rover", "start"], format!("{start} is off {}", shown(grid))))
+    }
+
+    fn budget(&self) -> Result<Budget, MissionError> {
+        let b = &self.file.budget;
+        let number = |key: &str, value, low, high| self.within(&["budget", key], value, low, high);
+        let energy_j = number("energy-j", b.energy_j, 0.0, f64::INFINITY)?;
+        Ok(Budget {
+            time_s: number("time-s", b.time_s, 0.0, f64::INFINITY)?,
+            energy_j,
+            reserve_j: number("reserve-j", b.reserve_j, 0.0, energy_j)?,
+            data_mb: match b.data_mb {
+                None => f64::INFINITY,
+                Some(mb) => number("data-mb", mb, 0.0, f64::INFINITY)?,
+            },
+            min_reliability: number("min-reliability", b.min_reliability, 0.0, 1.0)?,
+        })
+    }
+
+    fn instruments(&self, layers: &[LayerSpec]) -> Result<Vec<Instrument>, MissionError> {
+        let mut instruments = Vec::new();
+        for (i, file) in self.file.instrument.iter().enumerate() {
+            let index = i.to_string();
+            let number = |key: &str, value, low, high| {
+                self.within(&["instrument", &index, key], value, low, high)
+            };
+            for name in &file.layers {
+                let measured = layers
+                    .iter()
+                    .any(|l| l.name == *name && matches!(l.source, Source::Measured(_)));
+                if !measured {
+                    let message = format!("`{name}` is no measured layer of the mission");
+                    return Err(self.error(&["instrument", &index, "layers"], message));
+                }
+            }
+            instruments.push(Instrument {
+                name: file.name.clone(),
+                layers: file.layers.clone(),
+                height_m: number("height-m", file.height_m, 0.0, f64::INFINITY)?,
+                range_m: number("range-m", file.range_m, 1e-3, f64::INFINITY)?,
+                u0: number("u0", file.u0, 0.0, 0.999)?,
+                field_of_view_rad: number("field-of-view-deg", file.field_of_view_deg, 1.0, 360.0)?
+                    .to_radians(),
+            });
+        }
+        Ok(instruments)
+    }
+
+    fn prior(&self, grid: GridSpec, layers: &[LayerSpec]) -> Result<Prior, MissionError> {
+        let p = &self.file.prior;
+        let measured = |name: &str| {
+            layers.iter().any(|l| l.name == name && matches!(l.source, Source::Measured(_)))
+        };
+        match p.kind {
+            PriorKind::None => Ok(Prior::None),
+            PriorKind::Complete => Ok(Prior::Complete),
+            PriorKind::Averaged => {
+                let block = p.block.unwrap_or(8);
+                if block == 0 {
+                    return Err(self.error(&["prior", "block"], "0; expected at least 1"));
+                }
+                Ok(Prior::Averaged {
+                    block,
+                    u: self.within(&["prior", "u"], p.u.unwrap_or(0.6), 0.0, 1.0)?,
+                })
+            }
+            PriorKind::FirstLook => {
+                for name in p.uncertainty.keys() {
+                    if !measured(name) {
+                        let message = "is no measured layer of the mission";
+                        return Err(self.error(&["prior", "uncertainty", name], message));
+                    }
+                }
+                let mut pinned = Vec::new();
+                for (i, pin) in p.pinned.iter().enumerate() {
+                    let cell = Cell { row: pin.row, col: pin.col };
+                    let index = i.to_string();
+                    if !grid.contains(cell) || !measured(&pin.layer) {
+                        let message = format!("no cell {cell} of a measured layer `{}`", pin.layer);
+                        return Err(self.error(&["prior", "pinned", &index], message));
+                    }
+                    let u = self.within(&["prior", "pinned", &index, "u"], pin.u, 0.0, 1.0)?;
+                    pinned.push((pin.layer.clone(), cell, u as f32));
+                }
+                let height = p.camera_height_m.unwrap_or(self.file.rover.eye_height_m);
+                Ok(Prior::FirstLook {
+                    uncertainty: p.uncertainty.clone(),
+                    pinned,
+                    camera_height_m: self.within(
+                        &["prior", "camera-height-m"],
+                        height,
+                        0.0,
+                        f64::INFINITY,
+                    )?,
+                })
+            }
+        }
+    }
+}
+
+/// A grid in words.
+fn shown(grid: GridSpec) -> String {
+    format!(
+        "a grid of {} x {} cells of {} m with its north-west corner at ({}, {})",
+        grid.rows(),
+        grid.cols(),
+        grid.spacing_m(),
+        grid.west_m(),
+        grid.north_m()
+    )
+}

@@ -1,0 +1,55 @@
+//! The common ruler: interest on the noise-free, fully known world under the classical DSm rule.
+
+use std::collections::BTreeMap;
+
+use wisdom_autonomy::{Derivation, ELEVATION, Source};
+use wisdom_belief::Rule;
+use wisdom_fusion::{Fusion, Statistic, interest_map, judge};
+use wisdom_grid::{Cell, Raster};
+use wisdom_terrain::{Layer, gradient, roughness, slope, step};
+
+use crate::Mission;
+
+/// Interest as it truly is, the same for every rule that is compared.
+#[derive(Debug, Clone)]
+pub struct Ruler(Raster<f32>);
+
+impl Ruler {
+    /// The ruler of a mission's world.
+    #[must_use]
+    pub fn new(mission: &Mission) -> Self {
+        let spec = &mission.spec;
+        let mut layers: BTreeMap<String, Layer> = BTreeMap::new();
+        let elevation = mission.world.truth(ELEVATION).expect("a mission has an elevation");
+        for layer in &spec.layers {
+            let values = match layer.source {
+                Source::Measured(_) => {
+                    mission.world.truth(&layer.name).expect("measured layers have a truth").clone()
+                }
+                Source::Derived(Derivation::Gradient) => gradient(elevation),
+                Source::Derived(Derivation::Slope) => slope(elevation),
+                Source::Derived(Derivation::Step) => step(elevation),
+                Source::Derived(_) => {
+                    let radius = spec.vehicle.footprint_radius_m / spec.grid.spacing_m();
+                    roughness(elevation, radius.round().max(1.0) as usize)
+                }
+            };
+            layers.insert(layer.name.clone(), values);
+        }
+        let fusion = Fusion { rule: Rule::Dsmc, statistic: Statistic::Belief, ..Fusion::default() };
+        let evidence = judge(&spec.experts, &layers).expect("the core judged the same experts");
+        Self(interest_map(&evidence, &fusion).interest)
+    }
+
+    /// True interest at a cell.
+    #[must_use]
+    pub fn interest(&self, cell: Cell) -> f64 {
+        f64::from(self.0[cell])
+    }
+
+    /// The whole map.
+    #[must_use]
+    pub fn map(&self) -> &Raster<f32> {
+        &self.0
+    }
+}

@@ -1,0 +1,198 @@
+//! What the rover can drive over, and what driving costs it.
+
+use serde::Deserialize;
+
+use crate::PlannerError;
+
+/// Limits, hazard model and drive model of a rover. A mission file may set any field; unknown keys are errors.
+///
+/// The defaults describe a 900 kg rover on Mars. The hazard numbers are fitted so that 100 m of flat ground
+/// cost one per cent of reliability and ground at a limit is 70 times as hazardous; slip is the bedrock curve
+/// through Heverly et al. (2013). They are configuration, not measurements of a flown rover.
+///
+/// ```
+/// use wisdom_planner::Vehicle;
+///
+/// let vehicle = Vehicle::default();
+/// vehicle.validate()?;
+/// // 100 m of flat, certain ground: R = 0.99.
+/// assert!((100.0 * vehicle.hazard_per_m(0.0, 0.0) - 0.01).abs() < 1e-12);
+/// # Ok::<(), wisdom_planner::PlannerError>(())
+/// ```
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(rename_all = "kebab-case", default, deny_unknown_fields)]
+pub struct Vehicle {
+    /// Steepest slope driven, degrees.
+    pub slope_max_deg: f64,
+    /// Highest step climbed, metres; see [`Vehicle::step_limit_m`].
+    pub step_max_m: f64,
+    /// Roughest ground driven: root mean square residual from the plane under the rover, metres.
+    pub roughness_max_m: f64,
+    /// Radius of the ground the rover stands on, metres.
+    pub footprint_radius_m: f64,
+    /// l0: hazard rate of flat, certain ground, per metre.
+    pub hazard_floor_per_m: f64,
+    /// k: the hazard rate grows by e^k from flat ground to ground at a limit.
+    pub hazard_exponent: f64,
+    /// `k_u`: share by which total uncertainty raises the hazard rate.
+    pub hazard_uncertainty_gain: f64,
+    /// Severity assumed of ground never seen, as a share of the limits.
+    pub unknown_severity: f64,
+    /// Speed of the wheels, metres a second; slip is taken off it.
+    pub speed_m_s: f64,
+    /// Mass, kilograms.
+    pub mass_kg: f64,
+    /// Gravity, metres a second squared.
+    pub gravity_m_s2: f64,
+    /// Rolling resistance, as a share of the weight.
+    pub rolling_resistance: f64,
+    /// Share of the electric energy of the drives that reaches the wheels.
+    pub drive_efficiency: f64,
+    /// Power of everything but the drives, drawn for every second of driving, watts.
+    pub hotel_power_w: f64,
+    /// Slip on flat ground, as a share of the wheels' way.
+    pub slip_base: f64,
+    /// Growth rate of slip with the slope, per degree.
+    pub slip_growth_per_deg: f64,
+    /// Slip from which ground counts as blocked.
+    pub slip_max: f64,
+}
+
+impl Default for Vehicle {
+    fn default() -> Self {
+        Self {
+            slope_max_deg: 25.0,
+            step_max_m: 0.25,
+            roughness_max_m: 0.10,
+            footprint_radius_m: 1.0,
+            hazard_floor_per_m: 1e-4,
+            hazard_exponent: 4.25,
+            hazard_uncertainty_gain: 4.0,
+            unknown_severity: 0.6,
+            speed_m_s: 0.04,
+            mass_kg: 900.0,
+            gravity_m_s2: 3.71,
+            rolling_resistance: 0.15,
+            drive_efficiency: 0.6,
+            hotel_power_w: 100.0,
+            slip_base: 0.01,
+            slip_growth_per_deg: 0.10,
+            slip_max: 0.9,
+        }
+    }
+}
+
+/// Half-open or closed range of a vehicle's field, with its wording.
+type Allowed = (fn(f64) -> bool, &'static str);
+
+const POSITIVE: Allowed = (|x| x > 0.0 && x <= 1e9, "in (0, 1e9]");
+const NOT_NEGATIVE: Allowed = (|x| (0.0..=1e9).contains(&x), "in [0, 1e9]");
+const SHARE: Allowed = (|x| x > 0.0 && x <= 1.0, "in (0, 1]");
+const BELOW_ONE: Allowed = (|x| x > 0.0 && x < 1.0, "in (0, 1)");
+const ANGLE: Allowed = (|x| x > 0.0 && x < 90.0, "in (0, 90)");
+/// Hazard rates are kept as `f32`: floor, exponent and gain are bounded so that none overflows or vanishes.
+const FLOOR: Allowed = (|x| (1e-12..=1e3).contains(&x), "in [1e-12, 1e3]");
+const EXPONENT: Allowed = (|x| (0.0..=20.0).contains(&x), "in [0, 20]");
+const GAIN: Allowed = (|x| (0.0..=1e6).contains(&x), "in [0, 1e6]");
+
+impl Vehicle {
+    /// Checks every field against its range.
+    ///
+    /// # Errors
+    /// [`PlannerError::Vehicle`] with the first field out of range, its value and the range.
+    pub fn validate(&self) -> Result<(), PlannerError> {
+        let fields: [(&'static str, f64, Allowed); 17] = [
+            ("slope-max-deg", self.slope_max_deg, ANGLE),
+            ("step-max-m", self.step_max_m, POSITIVE),
+            ("roughness-max-m", self.roughness_max_m, POSITIVE),
+            ("footprint-radius-m", self.footprint_radius_m, POSITIVE),
+            ("hazard-floor-per-m", self.hazard_floor_per_m, FLOOR),
+            ("hazard-exponent", self.hazard_exponent, EXPONENT),
+            ("hazard-uncertainty-gain", self.hazard_uncertainty_gain, GAIN),
+            ("unknown-severity", self.unknown_severity, SHARE),
+            ("speed-m-s", self.speed_m_s, POSITIVE),
+            ("mass-kg", self.mass_kg, POSITIVE),
+            ("gravity-m-s2", self.gravity_m_s2, POSITIVE),
+            ("rolling-resistance", self.rolling_resistance, NOT_NEGATIVE),
+            ("drive-efficiency", self.drive_efficiency, SHARE),
+            ("hotel-power-w", self.hotel_power_w, NOT_NEGATIVE),
+            ("slip-base", self.slip_base, BELOW_ONE),
+            ("slip-growth-per-deg", self.slip_growth_per_deg, NOT_NEGATIVE),
+            ("slip-max", self.slip_max, BELOW_ONE),
+        ];
+        for (field, value, (allows, limit)) in fields {
+            if !allows(value) {
+                return Err(PlannerError::Vehicle { field, value, limit });
+            }
+        }
+        if self.slip_base >= self.slip_max {
+            let (field, value) = ("slip-base", self.slip_base);
+            return Err(PlannerError::Vehicle { field, value, limit: "below slip-max" });
+        }
+        Ok(())
+    }
+
+    /// Hazard rate λ per metre of ground of a severity (share of the limits) known with uncertainty `u`:
+    /// `λ = max(l0·exp(k·severity)·(1 + k_u·u), u·λ_unknown)` with `λ_unknown = l0·exp(k·unknown_severity)`.
+    ///
+    /// It grows with both arguments. From severity 1 on it stays at its value there: such ground is blocked.
+    #[must_use]
+    pub fn hazard_per_m(&self, severity: f64, u: f64) -> f64 {
+        let of = |severity: f64| {
+            self.hazard_floor_per_m * libm::exp(self.hazard_exponent * severity.min(1.0))
+        };
+        let seen = of(severity) * (1.0 + self.hazard_uncertainty_gain * u);
+        seen.max(u * of(self.unknown_severity))
+    }
+
+    /// Slip on a slope, as a share of the wheels' way: `min(1, base·exp(growth·slope))`. Slopes driven down
+    /// are negative and slip less than flat ground.
+    #[must_use]
+    pub fn slip(&self, slope_deg: f64) -> f64 {
+        (self.slip_base * libm::exp(self.slip_growth_per_deg * slope_deg)).min(1.0)
+    }
+
+    /// The height difference between neighbouring cells that stops the rover, metres, on a grid of a spacing.
+    ///
+    /// It is `step_max_m` and what the steepest slope allowed explains over the diagonal of a cell: cells of
+    /// a metre cannot tell a step of a quarter metre from a slope of 14°, and a slope must not be blocked
+    /// by being sampled coarsely. On cells much smaller than the step it is the step.
+    #[must_use]
+    pub fn step_limit_m(&self, spacing_m: f64) -> f64 {
+        let steepest = libm::tan(self.slope_max_deg.to_radians());
+        self.step_max_m + std::f64::consts::SQRT_2 * spacing_m * steepest
+    }
+
+    /// Time in seconds and energy in joules of a straight drive over `length_m` on the map that rises by
+    /// `rise_m`; none if the wheels slip [`Vehicle::slip_max`] or more.
+    ///
+    /// The wheels turn `ground length / (1 − slip)` at [`Vehicle::speed_m_s`]. Per metre of ground they work
+    /// `m·g·(c_rr·cos t + max(0, sin t)) / (η·(1 − slip))`, t being the slope in the direction of travel; over
+    /// the edge that is `m·g·(c_rr·length + max(0, rise))` on top of the division. Going down gives nothing back.
+    #[must_use]
+    pub fn drive(&self, length_m: f64, rise_m: f64) -> Option<(f64, f64)> {
+        let slip = if rise_m == 0.0 {
+            self.slip_base
+        } else {
+            self.slip(libm::atan(rise_m / length_m).to_degrees())
+        };
+        if slip >= self.slip_max {
+            return None;
+        }
+        let kept = 1.0 - slip;
+        let ground_m = (length_m * length_m + rise_m * rise_m).sqrt();
+        let time_s = ground_m / (self.speed_m_s * kept);
+        let force_way = self.rolling_resistance * length_m + rise_m.max(0.0);
+        let drive_j = self.mass_kg * self.gravity_m_s2 * force_way / (self.drive_efficiency * kept);
+        Some((time_s, drive_j + self.hotel_power_w * time_s))
+    }
+
+    /// The rise over run from which [`Vehicle::drive`] refuses: where slip reaches its limit.
+    pub(crate) fn steepest_grade(&self) -> f64 {
+        if self.slip_growth_per_deg == 0.0 {
+            return f64::INFINITY;
+        }
+        let slope_deg = libm::log(self.slip_max / self.slip_base) / self.slip_growth_per_deg;
+        if slope_deg >= 90.0 { f64::INFINITY } else { libm::tan(slope_deg.to_radians()) }
+    }
+}

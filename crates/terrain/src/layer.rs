@@ -1,0 +1,123 @@
+//! Readings with their uncertainty.
+
+use wisdom_grid::{Cell, GridSpec, Raster, Window};
+
+use crate::TerrainError;
+
+/// A raster of readings (elevation in metres, gradient magnitude, texture class, temperature, ..) with the
+/// uncertainty u of each in [0, 1]: the share of an opinion lost to the sensor (paper section III, Eq. 4).
+///
+/// Where nothing is known the reading is 0 and u is 1. No reading and no u is ever NaN or infinite.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Layer {
+    values: Raster<f32>,
+    uncertainty: Raster<f32>,
+}
+
+impl Layer {
+    /// A layer from readings and their uncertainty, which share one grid. An unknown cell (u = 1) keeps no
+    /// reading: it is set to 0.
+    ///
+    /// # Errors
+    /// [`TerrainError::GridMismatch`] if the grids differ; [`TerrainError::Reading`] or
+    /// [`TerrainError::Uncertainty`], naming the cell, if a reading is not finite or a u outside [0, 1].
+    pub fn new(mut values: Raster<f32>, uncertainty: Raster<f32>) -> Result<Self, TerrainError> {
+        let spec = values.spec();
+        if spec != uncertainty.spec() {
+            return Err(TerrainError::GridMismatch { first: spec, second: uncertainty.spec() });
+        }
+        for (index, (value, &u)) in
+            values.values_mut().iter_mut().zip(uncertainty.values()).enumerate()
+        {
+            if !value.is_finite() {
+                return Err(TerrainError::Reading { cell: spec.cell(index), value: *value });
+            }
+            if !(0.0..=1.0).contains(&u) {
+                return Err(TerrainError::Uncertainty { cell: spec.cell(index), u });
+            }
+            if u == 1.0 {
+                *value = 0.0;
+            }
+        }
+        Ok(Self { values, uncertainty })
+    }
+
+    /// A layer of which nothing is known.
+    #[must_use]
+    pub fn unknown(spec: GridSpec) -> Self {
+        Self { values: Raster::filled(spec, 0.0), uncertainty: Raster::filled(spec, 1.0) }
+    }
+
+    /// A layer of which everything is certain (u = 0): the simulated world's truth.
+    ///
+    /// # Errors
+    /// [`TerrainError::Reading`], naming the cell, if a reading is not finite.
+    pub fn certain(values: Raster<f32>) -> Result<Self, TerrainError> {
+        let uncertainty = Raster::filled(values.spec(), 0.0);
+        Self::new(values, uncertainty)
+    }
+
+    /// Where the layer lies.
+    #[must_use]
+    pub fn spec(&self) -> GridSpec {
+        self.values.spec()
+    }
+
+    /// The readings, 0 where unknown.
+    #[must_use]
+    pub fn values(&self) -> &Raster<f32> {
+        &self.values
+    }
+
+    /// The uncertainty of the readings, in [0, 1].
+    #[must_use]
+    pub fn uncertainty(&self) -> &Raster<f32> {
+        &self.uncertainty
+    }
+
+    /// The reading at a cell, 0 if it is unknown.
+    ///
+    /// # Panics
+    /// If the cell is not on the grid, as a slice does.
+    #[must_use]
+    pub fn value(&self, cell: Cell) -> f32 {
+        self.values[cell]
+    }
+
+    /// The uncertainty at a cell.
+    ///
+    /// # Panics
+    /// If the cell is not on the grid, as a slice does.
+    #[must_use]
+    pub fn u(&self, cell: Cell) -> f32 {
+        self.uncertainty[cell]
+    }
+
+    /// Whether anything is known of a cell: u < 1.
+    ///
+    /// # Panics
+    /// If the cell is not on the grid, as a slice does.
+    #[must_use]
+    pub fn is_known(&self, cell: Cell) -> bool {
+        self.u(cell) < 1.0
+    }
+
+    /// Replaces the reading at a cell and its uncertainty; u = 1 forgets the cell.
+    ///
+    /// # Panics
+    /// If the cell is not on the grid; in debug builds, if the reading is not finite or u not in [0, 1].
+    pub fn set(&mut self, cell: Cell, value: f32, u: f32) {
+        debug_assert!(value.is_finite(), "a reading of {value} at {cell}");
+        debug_assert!((0.0..=1.0).contains(&u), "an uncertainty of {u} at {cell}");
+        self.values[cell] = if u < 1.0 { value } else { 0.0 };
+        self.uncertainty[cell] = u;
+    }
+
+    /// A copy of the cells inside a window.
+    ///
+    /// # Errors
+    /// [`TerrainError::Grid`] if the window reaches over the edge or is empty.
+    pub fn crop(&self, window: Window) -> Result<Self, TerrainError> {
+        Ok(Self { values: self.values.crop(window)?, uncertainty: self.uncertainty.crop(window)? })
+    }
+}
