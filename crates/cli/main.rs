@@ -1,2 +1,59 @@
-//! The `wisdom` command.
-fn main() {}
+//! The `wisdom` command: run missions, replay and verify their logs, compare rules.
+
+mod check;
+mod compare;
+mod exit;
+mod figure;
+mod mission_args;
+mod paper;
+mod replay;
+mod run;
+mod show;
+mod verify;
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+/// An autonomy core for a planetary rover: evidence to interest, interest to goals, goals to driven plans,
+/// every decision logged.
+///
+/// Exit codes: 0 done, 1 the run or check failed, 2 the input or the call is wrong, 3 done but something was
+/// lost.
+#[derive(Parser, Debug)]
+#[command(name = "wisdom", version, max_term_width = 100)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand, Debug)]
+enum Command {
+    /// Run a mission in closed loop and log it.
+    Run(run::RunArgs),
+    /// Tell a logged mission as a story, decision by decision.
+    Replay(replay::ReplayArgs),
+    /// Derive every decision of a log again from its logged inputs and compare.
+    Verify(verify::VerifyArgs),
+    /// Run the same worlds under several fusion rules and compare the goal sequences.
+    Compare(compare::CompareArgs),
+    /// Draw a map of a logged decision.
+    Show(show::ShowArgs),
+    /// Check a mission without running it.
+    Check(check::CheckArgs),
+    /// Recompute the paper's tables, equations and claims, beside the printed values.
+    Paper(paper::PaperArgs),
+}
+
+fn main() -> ExitCode {
+    let outcome = match Cli::parse().command {
+        Command::Run(args) => run::run(&args),
+        Command::Replay(args) => replay::run(&args),
+        Command::Verify(args) => verify::run(&args),
+        Command::Compare(args) => compare::run(&args),
+        Command::Show(args) => show::run(&args),
+        Command::Check(args) => check::run(&args),
+        Command::Paper(args) => paper::run(&args),
+    };
+    outcome.unwrap_or_else(|error| exit::report(&error))
+}

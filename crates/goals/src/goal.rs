@@ -37,7 +37,7 @@ pub struct Goal {
     pub credit: Vec<f64>,
     /// Cells in its site's region.
     pub region_cells: usize,
-    /// Failed tries so far.
+    /// Failed tries so far, of its own or at its place before it.
     pub attempts: u32,
     /// The decision that formulated it.
     pub born: u32,
@@ -141,6 +141,8 @@ pub enum Reason {
     Risk,
     /// Other goals are worth more together.
     Outweighed,
+    /// With it the plan would be better, but not by enough to change the committed sequence.
+    Held,
     /// Its bound was not among those sequenced exactly.
     BeyondExact,
     /// No pose from which it can be done is reachable.
@@ -174,6 +176,7 @@ impl fmt::Display for Reason {
             Self::Data => "data",
             Self::Risk => "risk",
             Self::Outweighed => "outweighed",
+            Self::Held => "held",
             Self::BeyondExact => "beyond-exact",
             Self::Unreachable => "unreachable",
             Self::Preconditions => "preconditions",

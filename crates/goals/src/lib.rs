@@ -17,7 +17,7 @@ pub use directive::Directive;
 pub use goal::{Action, Cause, Goal, GoalId, Reason, Status, Term, Verdict};
 pub use manager::{
     Event, GoalManager, ManagerSpec, ManagerState, Poses, Retired, Revision, Selection, Shortlist,
-    Survey,
+    Survey, Tries,
 };
 pub use objective::{Objective, Policy, Promise, UnknownPolicy};
 pub use prize::{PrizeMap, PrizeScale, UnknownPrize, prize_map, quantised};

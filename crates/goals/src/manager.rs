@@ -10,7 +10,7 @@ use wisdom_planner::CostVector;
 
 use crate::prize::quantised;
 use crate::sequence::{
-    Candidate, Effort, GoalSequence, Limits, Problem, Sequences, sequences, weigh,
+    Candidate, Effort, GoalSequence, Limits, MAX_SEQUENCED, Problem, Sequences, sequences, weigh,
 };
 use crate::{
     Action, Cause, Directive, Domain, Extraction, Goal, GoalId, Proof, Reason, Site, Status, Term,
@@ -57,7 +57,7 @@ pub struct Retired {
     pub goal: GoalId,
     /// Its target.
     pub target: Cell,
-    /// Maxima within this distance are the same place, metres.
+    /// Maxima within this distance are the same place, metres; so is one whose region holds the target.
     pub radius_m: f64,
     /// Why it ended.
     pub reason: Reason,
@@ -65,8 +65,25 @@ pub struct Retired {
     pub ground: u64,
     /// How often it has been reopened.
     pub reopenings: u32,
-    /// Whether it keeps new goals away.
+    /// Whether it keeps goals away, other than the one that answers for it.
     pub closed: bool,
+}
+
+impl Retired {
+    /// Whether it ended without success, so that changed ground is a reason to try anew.
+    fn is_given_up(&self) -> bool {
+        matches!(self.reason, Reason::AttemptsSpent | Reason::Unreachable)
+    }
+}
+
+/// Failed tries at a place. Places remember them when goals do not: a goal that is lost and found again, or
+/// whose maximum wanders, gets no more tries than one that stays.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Tries {
+    /// Where the first of them was meant to lead.
+    pub target: Cell,
+    /// How many failed.
+    pub failed: u32,
 }
 
 /// Something that happened to a goal between two decisions.
@@ -87,6 +104,8 @@ pub struct ManagerState {
     pub agenda: Vec<GoalId>,
     /// Places where goals ended.
     pub retired: Vec<Retired>,
+    /// Places where tries failed, and no goal was given up for it yet.
+    pub tries: Vec<Tries>,
     /// What happened since the last decision.
     pub events: Vec<(GoalId, Event)>,
     /// Number of the next goal.
@@ -117,13 +136,13 @@ pub struct Survey<'a> {
     pub map_changed: bool,
 }
 
-/// Poses of each open goal, each with what it costs to get there.
+/// Poses of each open goal, safest first, each with what it costs to get there.
 pub type Poses = BTreeMap<GoalId, Vec<(Cell, CostVector)>>;
 
 /// Which goals are sequenced exactly.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Shortlist {
-    /// Goals sequenced, best bound first.
+    /// Goals sequenced: the committed ones, then the others, best bound first.
     pub kept: Vec<GoalId>,
     /// The others that could be reached, each with the bound that was too low: prize times the reliability of
     /// its safest pose, the most it could add to any sequence on its own.
@@ -145,6 +164,8 @@ pub struct Selection {
     pub committed: Option<GoalSequence>,
     /// Whether the committed sequence was kept although another is better, but not by enough.
     pub held: bool,
+    /// The goal of the leg under way, if the sequences had to begin with it.
+    pub pinned: Option<GoalId>,
 }
 
 impl Selection {
@@ -228,6 +249,18 @@ impl GoalManager {
         self.state.events.push((goal, event));
     }
 
+    /// The ended goal that stands for this maximum, if it shall bring forth no goal: it lies within the radius
+    /// of a closed place, or its region holds the target of one, and no open goal answers for that place.
+    #[must_use]
+    pub fn explained_by(&self, site: &Site, spacing_m: f64) -> Option<GoalId> {
+        let same_place = |r: &&Retired| {
+            r.target.distance(site.peak) * spacing_m <= r.radius_m
+                || site.region.binary_search(&r.target).is_ok()
+        };
+        let in_force = |r: &&Retired| r.closed && !self.state.goals.contains_key(&r.goal);
+        self.state.retired.iter().filter(in_force).find(same_place).map(|r| r.goal)
+    }
+
     /// First half of a deliberation: ends goals that are done, spent, gone or merged, moves those whose
     /// maximum moved, and formulates new ones.
     pub fn revise(&mut self, survey: &Survey<'_>) -> Revision {
@@ -235,21 +268,18 @@ impl GoalManager {
         self.apply_events(survey, &mut revision);
         self.reopen(survey);
         let spacing = survey.prize.spec().spacing_m();
-        let retired = |site: &Site| {
-            self.state
-                .retired
-                .iter()
-                .find(|r| r.closed && r.target.distance(site.peak) * spacing <= r.radius_m)
-                .map(|r| r.goal)
-        };
-        let explained: Vec<Option<GoalId>> = survey.sites.iter().map(retired).collect();
+        let explained: Vec<Option<GoalId>> =
+            survey.sites.iter().map(|site| self.explained_by(site, spacing)).collect();
         let matches = self.identify(survey, &explained);
         let open: Vec<GoalId> = self.state.goals.keys().copied().collect();
-        for id in open {
-            match matches.get(&id) {
-                Some(&site) => self.follow(id, &survey.sites[site], survey, &mut revision),
-                None => self.survive(id, survey, &matches, &explained, &mut revision),
-            }
+        let (followed, lost): (Vec<GoalId>, Vec<GoalId>) =
+            open.into_iter().partition(|id| matches.contains_key(id));
+        for id in followed {
+            self.follow(id, &survey.sites[matches[&id]], survey, &mut revision);
+        }
+        // Afterwards, so that no goal is merged into one that just went.
+        for id in lost {
+            self.survive(id, survey, &matches, &explained, &mut revision);
         }
         let taken: BTreeSet<usize> = matches.values().copied().collect();
         for (index, site) in survey.sites.iter().enumerate() {
@@ -282,7 +312,11 @@ impl GoalManager {
                     self.retire(id, radius_m, Reason::Done, survey, revision);
                 }
                 Event::Failed => {
-                    goal.attempts += 1;
+                    let target = goal.target;
+                    let here = self.failed_at(target, survey) + 1;
+                    self.remember_failure(target, survey);
+                    let goal = self.state.goals.get_mut(&id).expect("the goal is open");
+                    goal.attempts = here.max(goal.attempts + 1);
                     let directive = &self.directives[goal.directive];
                     let tries = Term::against(
                         "attempts",
@@ -307,12 +341,45 @@ impl GoalManager {
         }
     }
 
-    /// Opens places again whose ground changed after they were given up.
+    /// Failed tries around a cell.
+    fn failed_at(&self, target: Cell, survey: &Survey<'_>) -> u32 {
+        let near = |t: &&Tries| self.same_place(t.target, target, survey);
+        self.state.tries.iter().filter(near).map(|t| t.failed).max().unwrap_or(0)
+    }
+
+    /// Counts one more at every remembered place around a cell, or begins a new place there.
+    fn remember_failure(&mut self, target: Cell, survey: &Survey<'_>) {
+        let mut tries = std::mem::take(&mut self.state.tries);
+        let mut known = false;
+        for place in &mut tries {
+            if self.same_place(place.target, target, survey) {
+                place.failed += 1;
+                known = true;
+            }
+        }
+        if !known {
+            tries.push(Tries { target, failed: 1 });
+        }
+        self.state.tries = tries;
+    }
+
+    /// Forgets the failed tries around a cell.
+    fn forget_failures(&mut self, target: Cell, survey: &Survey<'_>) {
+        let mut tries = std::mem::take(&mut self.state.tries);
+        tries.retain(|place| !self.same_place(place.target, target, survey));
+        self.state.tries = tries;
+    }
+
+    fn same_place(&self, a: Cell, b: Cell, survey: &Survey<'_>) -> bool {
+        a.distance(b) * survey.prize.spec().spacing_m() <= self.spec.identity_radius_m
+    }
+
+    /// Opens places again whose ground changed after they were given up, unless a goal answers for them.
     fn reopen(&mut self, survey: &Survey<'_>) {
         for place in &mut self.state.retired {
-            let given_up = matches!(place.reason, Reason::AttemptsSpent | Reason::Unreachable);
             if place.closed
-                && given_up
+                && place.is_given_up()
+                && !self.state.goals.contains_key(&place.goal)
                 && place.reopenings < self.spec.max_reopenings
                 && (survey.ground)(place.target) != place.ground
             {
@@ -412,7 +479,7 @@ impl GoalManager {
                 self.end(id, Ending::drop(Reason::Explained, terms, Some(by)), survey, revision);
                 return;
             }
-            if let Some(by) = owner(site) {
+            if let Some(by) = owner(site).filter(|by| self.state.goals.contains_key(by)) {
                 self.end(id, Ending::drop(Reason::Merged, terms, Some(by)), survey, revision);
                 return;
             }
@@ -435,7 +502,8 @@ impl GoalManager {
         quantised(weight * f64::from(survey.prize[goal.target]))
     }
 
-    /// Reads a goal's numbers off the map, and drops it if its directive no longer accepts them.
+    /// Reads a goal's numbers off the map, and drops it if its interest is below what its directive asks or
+    /// its prize is gone. (Credit chose the directive when the goal was born; it does not end a goal.)
     fn weigh_anew(&mut self, id: GoalId, survey: &Survey<'_>, revision: &mut Revision) {
         let prize = self.prize_at(&self.state.goals[&id], survey);
         let goal = self.state.goals.get_mut(&id).expect("the goal is open");
@@ -468,36 +536,57 @@ impl GoalManager {
             }
         }
         let Some(directive) = best else { return };
+        let prize = quantised(self.directives[directive].weight * site.prize);
+        if prize <= 0.0 {
+            return;
+        }
         let id = GoalId(self.state.next_id);
         self.state.next_id += 1;
+        if self.answer_for_reopened(id, site, survey) {
+            revision.reopened.insert(id);
+        }
+        // What failed here before counts; one try remains.
+        let most = self.directives[directive].max_attempts.saturating_sub(1);
+        let attempts = self.failed_at(site.peak, survey).min(most);
         let goal = Goal {
             id,
             directive,
             target: site.peak,
             interest,
-            prize: quantised(self.directives[directive].weight * site.prize),
+            prize,
             prominence: site.prominence,
             ignorance: f64::from(survey.ignorance[site.peak]),
             paradox: f64::from(survey.paradox[site.peak]),
             credit,
             region_cells: site.region.len(),
-            attempts: 0,
+            attempts,
             born: self.state.decision,
             status: Status::Formulated,
         };
-        let spacing = survey.prize.spec().spacing_m();
-        let reopened = self
-            .state
-            .retired
-            .iter_mut()
-            .find(|r| !r.closed && r.target.distance(site.peak) * spacing <= r.radius_m);
-        if let Some(place) = reopened {
-            // The place is on trial again: from now on this goal answers for it.
-            place.reopenings += 1;
-            revision.reopened.insert(id);
-        }
         revision.born.insert(id);
         self.state.goals.insert(id, goal);
+    }
+
+    /// Puts reopened places around a site on trial: the new goal answers for them, and when it ends, however
+    /// it does, they are closed again. Says whether there are any.
+    fn answer_for_reopened(&mut self, id: GoalId, site: &Site, survey: &Survey<'_>) -> bool {
+        let spacing = survey.prize.spec().spacing_m();
+        let mut targets = Vec::new();
+        for place in self.state.retired.iter_mut().filter(|r| !r.closed) {
+            if place.target.distance(site.peak) * spacing <= place.radius_m
+                || site.region.binary_search(&place.target).is_ok()
+            {
+                place.goal = id;
+                place.closed = true;
+                place.reopenings += 1;
+                place.ground = (survey.ground)(place.target);
+                targets.push(place.target);
+            }
+        }
+        for target in &targets {
+            self.forget_failures(*target, survey);
+        }
+        !targets.is_empty()
     }
 
     /// Takes a goal out of the open ones and writes its last verdict.
@@ -529,12 +618,19 @@ impl GoalManager {
         let Some(ended) = revision.ended.iter().find(|v| v.goal.id == id) else { return };
         let target = ended.goal.target;
         let spacing = survey.prize.spec().spacing_m();
-        let earlier = self
-            .state
-            .retired
-            .iter()
-            .position(|r| !r.closed && r.target.distance(target) * spacing <= r.radius_m);
-        let reopenings = earlier.map_or(0, |i| self.state.retired.remove(i).reopenings);
+        // Trials of the same place add up: those this goal answered for, and one that was open to any.
+        let mut reopenings = 0;
+        self.state.retired.retain(|r| {
+            let here = r.target.distance(target) * spacing <= r.radius_m;
+            let mine = r.goal == id;
+            if mine || (here && !r.closed) {
+                reopenings = reopenings.max(r.reopenings + u32::from(!r.closed));
+            }
+            !(here && (mine || !r.closed))
+        });
+        if reason != Reason::Unreachable {
+            self.forget_failures(target, survey);
+        }
         self.state.retired.push(Retired {
             goal: id,
             target,
@@ -575,17 +671,14 @@ impl GoalManager {
             .state
             .goals
             .values()
-            .filter_map(|goal| {
-                let best = poses.get(&goal.id)?.iter().map(|(_, cost)| cost.reliability());
-                let reliability = best.max_by(f64::total_cmp)?;
-                Some((goal.id, goal.prize * reliability))
-            })
+            .filter_map(|goal| Some((goal.id, bound(goal, poses)?)))
             .collect();
         bounds.sort_by(|a, b| {
             let committed = |id: &GoalId| self.state.agenda.contains(id);
             committed(&b.0).cmp(&committed(&a.0)).then(b.1.total_cmp(&a.1)).then(a.0.cmp(&b.0))
         });
-        let left_out = bounds.split_off(bounds.len().min(self.spec.max_sequenced));
+        let most = self.spec.max_sequenced.min(MAX_SEQUENCED);
+        let left_out = bounds.split_off(bounds.len().min(most));
         Shortlist { kept: bounds.into_iter().map(|(id, _)| id).collect(), left_out }
     }
 
@@ -613,20 +706,23 @@ impl GoalManager {
 
     /// Chooses a sequence: the best, unless the committed one is nearly as good.
     ///
-    /// `pinned` is the goal of the leg under way (the commit window): it stays first if it can.
+    /// `pinned` is the goal of the leg under way (the commit window): it stays first if it can. The committed
+    /// sequence without the goals that have ended is what a better one is held against.
     #[must_use]
     pub fn select(&self, problem: &Problem<'_>, pinned: Option<GoalId>) -> Selection {
         let pin: Vec<GoalId> = pinned.into_iter().collect();
         let effort =
             Effort { expansions: self.spec.expansions, keep: self.spec.family, first: &pin };
         let mut found = sequences(problem, effort);
-        if !pin.is_empty() && found.best[0].stops.is_empty() {
+        let pinned = pinned.filter(|_| !found.best[0].stops.is_empty());
+        if pinned.is_none() && !pin.is_empty() {
             found = sequences(problem, Effort { first: &[], ..effort });
         }
         let Sequences { best: mut family, proof, expansions } = found;
         let known = |id: &GoalId| problem.candidates.iter().any(|c| c.goal == *id);
         let order: Vec<GoalId> = self.state.agenda.iter().copied().filter(known).collect();
-        let committed = if order.is_empty() { None } else { weigh(problem, &order) };
+        let keeps_pin = pinned.is_none_or(|pin| order.first() == Some(&pin));
+        let committed = if order.is_empty() || !keeps_pin { None } else { weigh(problem, &order) };
         let mut chosen = 0;
         let mut held = false;
         if let Some(committed) = &committed {
@@ -639,15 +735,17 @@ impl GoalManager {
                 && best.reliability > committed.reliability;
             let same = best.goals().eq(committed.goals());
             if !same && !better_value && !safer {
-                held = true;
+                // A search cut short may not have met the committed sequence, and that may be the best.
+                held = best.rank(committed).is_lt();
                 let known = family.iter().position(|s| s.goals().eq(committed.goals()));
                 chosen = known.unwrap_or_else(|| {
-                    family.push(committed.clone());
-                    family.len() - 1
+                    let turn = family.partition_point(|s| s.rank(committed).is_lt());
+                    family.insert(turn, committed.clone());
+                    turn
                 });
             }
         }
-        Selection { family, chosen, proof, expansions, committed, held }
+        Selection { family, chosen, proof, expansions, committed, held, pinned }
     }
 
     /// Second half of a deliberation: commits to the chosen sequence and says of every goal what was done.
@@ -725,70 +823,52 @@ impl GoalManager {
         poses: &Poses,
         problem: &Problem<'_>,
     ) -> (Reason, Vec<Term>) {
-        let Some((_, way)) = poses.get(&goal.id).and_then(|p| p.first()) else {
+        let ways = poses.get(&goal.id).map_or(&[][..], Vec::as_slice);
+        if ways.is_empty() {
             return (Reason::Unreachable, vec![Term::against("poses", 0.0, 1.0)]);
-        };
+        }
         let directive = &self.directives[goal.directive];
         let ready = problem.facts.contains(directive.requires);
-        let Some(service) =
-            ready.then(|| problem.domain.expand(problem.facts, directive.achieves)).flatten()
-        else {
-            return (Reason::Preconditions, Vec::new());
-        };
-        let alone = Limits {
-            time_s: way.time_s + service.cost.time_s,
-            energy_j: way.energy_j + service.cost.energy_j,
-            data_mb: service.cost.data_mb,
-            min_reliability: way.reliability(),
-        };
-        if let Some((reason, term)) = first_violation(&alone, &problem.limits) {
-            return (reason, vec![term]);
+        let service =
+            ready.then(|| problem.domain.expand(problem.facts, directive.achieves)).flatten();
+        // The constraint that keeps it from being done next, from the pose that misses it by least.
+        let alone = service.as_ref().and_then(|service| {
+            let needs = |way: &CostVector| Limits {
+                time_s: way.time_s + service.cost.time_s,
+                energy_j: way.energy_j + service.cost.energy_j,
+                data_mb: service.cost.data_mb,
+                min_reliability: way.reliability(),
+            };
+            let over: Option<Vec<Violation>> =
+                ways.iter().map(|(_, way)| first_violation(&needs(way), &problem.limits)).collect();
+            over?.into_iter().min_by(|a, b| a.excess().total_cmp(&b.excess()))
+        });
+        if let Some((_, least)) = shortlist.left_out.iter().find(|(id, _)| *id == goal.id) {
+            let last = shortlist.kept.last().and_then(|id| bound(&self.state.goals[id], poses));
+            let cut = vec![Term::against("bound", *least, last.unwrap_or(0.0))];
+            return alone.map_or((Reason::BeyondExact, cut), Violation::told);
         }
-        if let Some((_, bound)) = shortlist.left_out.iter().find(|(id, _)| *id == goal.id) {
-            let last = shortlist.kept.last().map_or(0.0, |id| self.state.goals[id].prize);
-            return (Reason::BeyondExact, vec![Term::against("bound", *bound, last)]);
-        }
-        // Every turn it could take in the chosen sequence: the best value if one is within the limits, or
-        // the smallest overrun.
         let chosen = selection.sequence();
-        let order: Vec<GoalId> = chosen.goals().collect();
-        let boundless = Limits {
-            time_s: f64::INFINITY,
-            energy_j: f64::INFINITY,
-            data_mb: f64::INFINITY,
-            min_reliability: 0.0,
-        };
-        let free = Problem { limits: boundless, ..*problem };
-        let mut best_within: Option<f64> = None;
-        let mut least_over: Option<(Reason, Term, f64)> = None;
-        for turn in 0..=order.len() {
-            let mut with = order.clone();
-            with.insert(turn, goal.id);
-            if let Some(within) = weigh(problem, &with) {
-                best_within = Some(best_within.map_or(within.value, |b| b.max(within.value)));
-            } else if let Some(over) = weigh(&free, &with) {
-                let needs = Limits {
-                    time_s: over.time_s,
-                    energy_j: over.energy_j,
-                    data_mb: over.data_mb,
-                    min_reliability: over.reliability,
-                };
-                if let Some((reason, term)) = first_violation(&needs, &problem.limits) {
-                    let limit = term.limit.unwrap_or(1.0);
-                    let excess = (term.value - limit).abs() / limit.abs().max(f64::MIN_POSITIVE);
-                    if least_over.as_ref().is_none_or(|(_, _, least)| excess < *least) {
-                        least_over = Some((reason, term, excess));
-                    }
-                }
+        let (within, over) = insertions(goal.id, selection, problem);
+        if let Some(value) = within {
+            if selection.held && value > chosen.value {
+                let least = chosen.value * (1.0 + self.spec.hysteresis);
+                return (Reason::Held, vec![Term::against("value with it", value, least)]);
             }
+            return (Reason::Outweighed, vec![Term::against("value with it", value, chosen.value)]);
         }
-        match (best_within, least_over) {
-            (Some(value), _) => {
-                (Reason::Outweighed, vec![Term::against("value with it", value, chosen.value)])
-            }
-            (None, Some((reason, term, _))) => (reason, vec![term]),
-            (None, None) => (Reason::Outweighed, vec![Term::of("prize", goal.prize)]),
+        if let Some(violation) = alone.or(over) {
+            return violation.told();
         }
+        if service.is_none() {
+            let wanted = directive.requires.with(directive.achieves);
+            let missing = problem.domain.names(wanted.without(problem.facts)).count();
+            return (
+                Reason::Preconditions,
+                vec![Term::against("facts missing", missing as f64, 0.0)],
+            );
+        }
+        (Reason::Outweighed, vec![Term::of("prize", goal.prize)])
     }
 
     /// Whether a problem can be stated for this domain: every directive can be achieved from the start.
@@ -806,20 +886,84 @@ impl GoalManager {
     }
 }
 
+/// The most a goal could add to any sequence on its own: prize times the reliability of its safest pose.
+fn bound(goal: &Goal, poses: &Poses) -> Option<f64> {
+    let reliabilities = poses.get(&goal.id)?.iter().map(|(_, cost)| cost.reliability());
+    Some(goal.prize * reliabilities.max_by(f64::total_cmp)?)
+}
+
+/// Tries a goal at every turn of the chosen sequence: the best value of those within the limits, and the
+/// smallest overrun of the others.
+fn insertions(
+    goal: GoalId,
+    selection: &Selection,
+    problem: &Problem<'_>,
+) -> (Option<f64>, Option<Violation>) {
+    let boundless = Limits {
+        time_s: f64::INFINITY,
+        energy_j: f64::INFINITY,
+        data_mb: f64::INFINITY,
+        min_reliability: 0.0,
+    };
+    let free = Problem { limits: boundless, ..*problem };
+    let order: Vec<GoalId> = selection.sequence().goals().collect();
+    let first_turn = usize::from(selection.pinned.is_some());
+    let mut best: Option<f64> = None;
+    let mut least: Option<Violation> = None;
+    for turn in first_turn..=order.len() {
+        let mut with = order.clone();
+        with.insert(turn, goal);
+        if let Some(within) = weigh(problem, &with) {
+            best = Some(best.map_or(within.value, |b| b.max(within.value)));
+        } else if let Some(over) = weigh(&free, &with) {
+            let needs = Limits {
+                time_s: over.time_s,
+                energy_j: over.energy_j,
+                data_mb: over.data_mb,
+                min_reliability: over.reliability,
+            };
+            if let Some(violation) = first_violation(&needs, &problem.limits)
+                && least.as_ref().is_none_or(|l| violation.excess() < l.excess())
+            {
+                least = Some(violation);
+            }
+        }
+    }
+    (best, least)
+}
+
+/// A limit missed.
+struct Violation {
+    reason: Reason,
+    name: &'static str,
+    needed: f64,
+    limit: f64,
+}
+
+impl Violation {
+    /// By how much, as a share of the limit.
+    fn excess(&self) -> f64 {
+        (self.needed - self.limit).abs() / self.limit.abs().max(f64::MIN_POSITIVE)
+    }
+
+    fn told(self) -> (Reason, Vec<Term>) {
+        (self.reason, vec![Term::against(self.name, self.needed, self.limit)])
+    }
+}
+
 /// The first limit that some needs exceed, in the order time, energy, data, risk.
-fn first_violation(needs: &Limits, limits: &Limits) -> Option<(Reason, Term)> {
-    if needs.time_s > limits.time_s {
-        return Some((Reason::Time, Term::against("time_s", needs.time_s, limits.time_s)));
-    }
-    if needs.energy_j > limits.energy_j {
-        return Some((Reason::Energy, Term::against("energy_j", needs.energy_j, limits.energy_j)));
-    }
-    if needs.data_mb > limits.data_mb {
-        return Some((Reason::Data, Term::against("data_mb", needs.data_mb, limits.data_mb)));
-    }
-    (needs.min_reliability < limits.min_reliability).then(|| {
-        (Reason::Risk, Term::against("reliability", needs.min_reliability, limits.min_reliability))
-    })
+fn first_violation(needs: &Limits, limits: &Limits) -> Option<Violation> {
+    let over = |reason, name, needed: f64, limit: f64| {
+        (needed > limit).then_some(Violation { reason, name, needed, limit })
+    };
+    over(Reason::Time, "time_s", needs.time_s, limits.time_s)
+        .or_else(|| over(Reason::Energy, "energy_j", needs.energy_j, limits.energy_j))
+        .or_else(|| over(Reason::Data, "data_mb", needs.data_mb, limits.data_mb))
+        .or_else(|| {
+            let (needed, limit) = (needs.min_reliability, limits.min_reliability);
+            let (reason, name) = (Reason::Risk, "reliability");
+            (needed < limit).then_some(Violation { reason, name, needed, limit })
+        })
 }
 
 /// The goals of the longest subsequence common to two orders: those whose turn did not change among the

@@ -223,9 +223,7 @@ const NONE: u32 = u32::MAX;
 impl Label {
     /// Whether both rank the same but for the order of their goals.
     fn ties(&self, other: &Self) -> bool {
-        self.value == other.value
-            && self.neg_ln_r == other.neg_ln_r
-            && self.time_s == other.time_s
+        self.value == other.value && self.neg_ln_r == other.neg_ln_r && self.time_s == other.time_s
     }
 
     /// Whether nothing that can follow `other` is better than what can follow `self`.

@@ -1,1 +1,41 @@
 #![doc = include_str!("../README.md")]
+
+pub mod compare;
+mod error;
+pub mod read;
+pub mod record;
+mod replay;
+mod setting;
+mod store;
+mod view;
+pub mod write;
+
+pub use compare::{Difference, first_difference};
+pub use error::LogError;
+pub use read::{Entry, LogReader, RunEnd, Status};
+pub use replay::{
+    Past, ReplayError, Verification, begin, causal_dot, derive_at, mission_of, verify,
+};
+pub use setting::{DecisionMaps, Setting};
+pub use store::{PartFile, Store, SyncPolicy};
+pub use write::{Level, LogWriter, Options, RunHeader};
+
+/// Where each kind of record goes.
+pub mod topic {
+    /// What the core was told: [`crate::record::Observation`].
+    pub const OBSERVATION: &str = "/in/observation";
+    /// What came of a step: [`crate::record::Outcome`].
+    pub const OUTCOME: &str = "/in/outcome";
+    /// What was decided: [`crate::record::Decision`].
+    pub const DECISION: &str = "/decision";
+    /// The interest map of a decision: `foxglove.Grid`. Every other plane is `/map/` and its name.
+    pub const INTEREST: &str = "/map/interest";
+    /// Goals, the planned path and the driven track: `foxglove.SceneUpdate`.
+    pub const SCENE: &str = "/scene";
+    /// Where the rover stands: `foxglove.PoseInFrame`.
+    pub const POSE: &str = "/rover/pose";
+    /// From map to rover: `foxglove.FrameTransform`.
+    pub const TRANSFORM: &str = "/tf";
+    /// Triggers and changes, in words: `foxglove.Log`.
+    pub const LOG: &str = "/log";
+}

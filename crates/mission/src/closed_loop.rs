@@ -49,7 +49,7 @@ pub struct Achievement {
     pub interest: f64,
     /// Its prize then.
     pub prize: f64,
-    /// Interest there on the common ruler: the noise-free, fully known world under the classical DSm rule.
+    /// Interest there on the common ruler: the noise-free, fully known world under the rule `dsmc`.
     pub ruler: f64,
     /// Mission time, seconds.
     pub time_s: f64,
@@ -60,7 +60,8 @@ pub struct Achievement {
 pub struct LegRecord {
     /// Reliability predicted when it was decided.
     pub predicted: f64,
-    /// Whether the rover arrived; none if a decision cut it short.
+    /// Whether the rover arrived; none if it was cut short by a decision or by the end of the budget, which
+    /// say nothing of the ground.
     pub arrived: Option<bool>,
 }
 
@@ -79,7 +80,7 @@ pub struct RunSummary {
     pub decisions: u32,
     /// Observations made.
     pub observations: u32,
-    /// The legs driven.
+    /// The legs on which wheels were to turn: a goal served from where the rover stands is none.
     pub legs: Vec<LegRecord>,
     /// Every cell the rover stood on, in order.
     pub track: Vec<Cell>,
@@ -203,10 +204,13 @@ pub fn run(
 }
 
 /// How a drive ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Drive {
     Arrived,
     /// The core wants to decide.
     Interrupted,
+    /// Time or energy ran out on the way: nobody's failure.
+    Spent,
     Blocked,
     Aborted,
 }
@@ -245,16 +249,22 @@ impl Simulation<'_> {
             let outcome = match &decision.act {
                 Act::Pursue(goal) => self.pursue(&decision, *goal)?,
                 Act::Look { route, .. } | Act::Home { route } => {
-                    self.reposition(&decision, &route.clone())?
+                    match self.reposition(&decision, route)? {
+                        Some(outcome) => outcome,
+                        None => break RunStatus::Waiting,
+                    }
                 }
                 _ => break RunStatus::Waiting,
             };
             self.recorder.outcome(&outcome)?;
             self.rover.report(&outcome)?;
             if self.is_spent() {
-                // The budget is gone: one last decision says what is left to say, and the rover waits.
+                // The budget is gone: one last decision says what became of the goals, and the rover waits.
                 self.decide()?;
                 break RunStatus::BudgetSpent;
+            }
+            if !self.going_on {
+                break RunStatus::Stopped;
             }
         };
         self.summary.spent = self.spent;
@@ -333,64 +343,74 @@ impl Simulation<'_> {
         let expansion = chosen.sequence.stops[0].expansion.clone();
         let route = chosen.plan.legs[0].route.clone();
         let mut done: Vec<String> = Vec::new();
-        for &index in &expansion.before {
-            self.operate(index, &mut done);
-        }
         let from = self.summary.track.len() - 1;
-        let drive = self.drive(&route)?;
-        if self.summary.track.len() > from + 1 || matches!(drive, Drive::Arrived) {
-            self.operate(self.mission.spec.domain.drive(), &mut done);
-        }
+        let drive = self.set_out(&expansion.before, &route, &mut done)?;
         let result = match drive {
             Drive::Blocked => StepResult::Blocked(goal),
             Drive::Aborted => StepResult::Aborted(goal),
-            Drive::Interrupted => StepResult::Interrupted(goal),
+            Drive::Interrupted | Drive::Spent => StepResult::Interrupted(goal),
             Drive::Arrived => {
                 self.look()?;
-                if self.rover.triggers().is_empty() {
-                    for &index in &expansion.after {
-                        self.operate(index, &mut done);
-                    }
+                // What is seen on arrival may call for a decision before anything is done there.
+                if self.rover.triggers().is_empty() && self.operate_all(&expansion.after, &mut done)
+                {
                     StepResult::Achieved(goal)
                 } else {
                     StepResult::Interrupted(goal)
                 }
             }
         };
-        self.leg(route.cost.reliability(), &drive);
         Ok(self.outcome(decision.number, result, done, route.cost.reliability(), from))
     }
 
-    fn reposition(&mut self, decision: &Decision, route: &Route) -> Result<Outcome, RunError> {
-        // Whatever must be true before driving (a stowed arm) is made true as for a goal.
-        let mut done = Vec::new();
+    /// Drives to a vantage or home. Whatever must be true before driving (a stowed arm) is made true as for a
+    /// goal; none if nothing can make it true, so that the rover has to stay where it is.
+    fn reposition(
+        &mut self,
+        decision: &Decision,
+        route: &Route,
+    ) -> Result<Option<Outcome>, RunError> {
         let domain = &self.mission.spec.domain;
-        let ready = domain.expand(self.rover.facts(), wisdom_goals::FactSet::EMPTY);
-        for index in ready.map(|e| e.before).unwrap_or_default() {
-            self.operate(index, &mut done);
-        }
-        self.operate(self.mission.spec.domain.drive(), &mut done);
+        let Some(ready) = domain.expand(self.rover.facts(), wisdom_goals::FactSet::EMPTY) else {
+            return Ok(None);
+        };
         let from = self.summary.track.len() - 1;
-        let drive = self.drive(route)?;
-        let result = match drive {
+        let mut done = Vec::new();
+        let result = match self.set_out(&ready.before, route, &mut done)? {
             Drive::Arrived => {
                 self.look()?;
                 StepResult::Arrived
             }
-            Drive::Interrupted => StepResult::Arrived,
-            Drive::Blocked | Drive::Aborted => StepResult::Stopped,
+            _ => StepResult::Stopped,
         };
-        self.leg(route.cost.reliability(), &drive);
-        Ok(self.outcome(decision.number, result, done, route.cost.reliability(), from))
+        Ok(Some(self.outcome(decision.number, result, done, route.cost.reliability(), from)))
     }
 
-    fn leg(&mut self, predicted: f64, drive: &Drive) {
-        let arrived = match drive {
-            Drive::Arrived => Some(true),
-            Drive::Interrupted => None,
-            Drive::Blocked | Drive::Aborted => Some(false),
-        };
-        self.summary.legs.push(LegRecord { predicted, arrived });
+    /// Carries out what must be done before a drive, then drives. The drive is an operator too, carried out
+    /// once wheels turn, or at once where the rover already stands at the pose.
+    fn set_out(
+        &mut self,
+        before: &[usize],
+        route: &Route,
+        done: &mut Vec<String>,
+    ) -> Result<Drive, RunError> {
+        if !self.operate_all(before, done) {
+            return Ok(Drive::Spent);
+        }
+        let from = self.summary.track.len();
+        let drive = self.drive(route)?;
+        if self.summary.track.len() > from || drive == Drive::Arrived {
+            self.operate(self.mission.spec.domain.drive(), done);
+        }
+        if route.cells.len() > 1 {
+            let arrived = match drive {
+                Drive::Arrived => Some(true),
+                Drive::Interrupted | Drive::Spent => None,
+                Drive::Blocked | Drive::Aborted => Some(false),
+            };
+            self.summary.legs.push(LegRecord { predicted: route.cost.reliability(), arrived });
+        }
+        Ok(drive)
     }
 
     fn outcome(
@@ -410,6 +430,17 @@ impl Simulation<'_> {
             predicted_reliability,
             track: self.summary.track[from..].to_vec(),
         }
+    }
+
+    /// Operators one after the other, none begun once the budget is gone. Says whether all were carried out.
+    fn operate_all(&mut self, operators: &[usize], done: &mut Vec<String>) -> bool {
+        for &index in operators {
+            if self.is_spent() {
+                return false;
+            }
+            self.operate(index, done);
+        }
+        true
     }
 
     /// One operator: its costs, scattered.
@@ -448,10 +479,11 @@ impl Simulation<'_> {
                 self.look()?;
                 return Ok(Drive::Aborted);
             }
-            if self.is_spent() {
-                return Ok(Drive::Aborted);
+            let is_last = Some(&to) == route.cells.last();
+            if self.is_spent() && !is_last {
+                return Ok(Drive::Spent);
             }
-            if since_look_m >= world.execution().look_every_m && Some(&to) != route.cells.last() {
+            if since_look_m >= world.execution().look_every_m && !is_last {
                 since_look_m = 0.0;
                 self.look()?;
                 if !self.rover.triggers().is_empty() {

@@ -31,13 +31,15 @@ impl MissionError {
     pub fn at(file: &str, text: &str, span: Range<usize>, message: impl fmt::Display) -> Self {
         let message = message.to_string();
         let start = span.start.min(text.len());
-        let before = &text.as_bytes()[..start];
-        let line = before.iter().filter(|b| **b == b'\n').count() + 1;
-        let line_start = before.iter().rposition(|b| *b == b'\n').map_or(0, |i| i + 1);
-        let column = text.get(line_start..start).map_or(0, |s| s.chars().count()) + 1;
+        let start = (0..=start).rev().find(|i| text.is_char_boundary(*i)).unwrap_or(0);
+        let before = &text[..start];
+        let line = before.matches('\n').count() + 1;
+        let line_start = before.rfind('\n').map_or(0, |i| i + 1);
+        let column = text[line_start..start].chars().count() + 1;
         // A caret under a whole table would mark pages: the first line of it is enough.
-        let end = span.end.min(text.len()).max(start);
-        let stop = text.get(start..end).and_then(|s| s.find('\n')).map_or(end, |i| start + i);
+        let end = span.end.clamp(start, text.len());
+        let end = (end..=text.len()).find(|i| text.is_char_boundary(*i)).unwrap_or(text.len());
+        let stop = text[start..end].find('\n').map_or(end, |i| start + i);
         let title = message.lines().next().unwrap_or_default().to_owned();
         let report = [Level::ERROR.primary_title(title).element(
             Snippet::source(text).path(file).annotation(AnnotationKind::Primary.span(start..stop)),

@@ -1,5 +1,6 @@
 #![doc = include_str!("../README.md")]
 
+mod campaign;
 mod closed_loop;
 mod error;
 mod file;
@@ -8,6 +9,9 @@ mod recorder;
 mod ruler;
 mod world;
 
+pub use campaign::{
+    CampaignRun, Places, first_difference, first_divergent_decision, jaccard, kendall_tau, run_all,
+};
 pub use closed_loop::{Achievement, LegRecord, Progress, RunError, RunStatus, RunSummary, run};
 pub use error::MissionError;
 pub use mission::{MISSION_FILE, Mission, Override};

@@ -9,16 +9,18 @@ use wisdom_autonomy::{
     Triggers,
 };
 use wisdom_belief::{InterestMass, Opinion, ParadoxPolicy, Rule};
-use wisdom_fusion::{Band, Class, Expert, Fusion, LookupTable, Rows, Statistic};
+use wisdom_fusion::{Band, Class, Expert, Fusion, FusionError, LookupTable, Rows, Statistic};
 use wisdom_goals::{
-    Directive, Domain, Extraction, MAX_SEQUENCED, ManagerSpec, OperatorText, Policy, PrizeScale,
-    ServiceCost,
+    Directive, Domain, DomainError, Extraction, MAX_SEQUENCED, ManagerSpec, OperatorText, Policy,
+    PrizeScale, ServiceCost,
 };
 use wisdom_grid::{Cell, GridSpec};
+use wisdom_planner::PlannerError;
 use wisdom_terrain::Landscape;
+use wisdom_terrain::format::MAX_CELLS;
 
 use crate::MissionError;
-use crate::file::{DerivedName, ExpertFile, Kind, MissionFile, PriorKind, UpdateName};
+use crate::file::{DerivedName, ExpertFile, FirstLookU, Kind, MissionFile, PriorKind, UpdateName};
 use crate::world::{Execution, Instrument, LayerTruth, Prior, ReadingKind, World};
 
 /// The name of the file that a mission's folder is read from.
@@ -79,8 +81,7 @@ impl Mission {
             std::fs::read(&place)
                 .map_err(|error| MissionError::of_file(&place.display().to_string(), error))
         };
-        let _ = name;
-        Self::read(&mut read, overrides)
+        Self::read(&mut read, &name, overrides)
     }
 
     /// Reads a mission from the files that a log carries.
@@ -94,19 +95,17 @@ impl Mission {
                 .cloned()
                 .ok_or_else(|| MissionError::of_file(relative, "is not among the mission's files"))
         };
-        Self::read(&mut read, &[])
+        Self::read(&mut read, MISSION_FILE, &[])
     }
 
-    fn read(
-        read: &mut dyn FnMut(&str) -> Result<Vec<u8>, MissionError>,
-        overrides: &[Override],
-    ) -> Result<Self, MissionError> {
+    /// Reads all files; `name` is what the mission's own file is called in errors.
+    fn read(read: Fetch<'_>, name: &str, overrides: &[Override]) -> Result<Self, MissionError> {
         let mut files = BTreeMap::new();
-        let text = text_of(MISSION_FILE, read(MISSION_FILE)?)?;
+        let text = text_of(name, read(MISSION_FILE)?)?;
         let text = changed(text, overrides)?;
         files.insert(MISSION_FILE.to_owned(), text.clone().into_bytes());
         let parsed: MissionFile =
-            toml::from_str(&text).map_err(|e| MissionError::of_toml(MISSION_FILE, &text, &e))?;
+            toml::from_str(&text).map_err(|e| MissionError::of_toml(name, &text, &e))?;
         let mut fetch = |path: &str| -> Result<Vec<u8>, MissionError> {
             if let Some(bytes) = files.get(path) {
                 return Ok(bytes.clone());
@@ -115,7 +114,7 @@ impl Mission {
             files.insert(path.to_owned(), bytes.clone());
             Ok(bytes)
         };
-        let reader = Reader { file: &parsed, text: &text };
+        let reader = Reader { name, file: &parsed, text: &text };
         let (spec, world) = reader.assemble(&mut fetch)?;
         let mut digest = blake3::Hasher::new();
         for (path, bytes) in &files {
@@ -138,8 +137,14 @@ impl Mission {
 }
 
 fn text_of(file: &str, bytes: Vec<u8>) -> Result<String, MissionError> {
-    String::from_utf8(bytes)
-        .map_err(|error| MissionError::of_file(file, format!("is not UTF-8: {error}")))
+    String::from_utf8(bytes).map_err(|error| {
+        let valid = error.utf8_error().valid_up_to();
+        let found = error.as_bytes()[valid];
+        // What is shown keeps the place: everything before it is UTF-8.
+        let text = String::from_utf8_lossy(error.as_bytes());
+        let message = format!("byte {found:#04x}; expected UTF-8 text");
+        MissionError::at(file, &text, valid..valid + 1, message)
+    })
 }
 
 /// The text with the overrides applied.
@@ -150,51 +155,91 @@ fn changed(text: String, overrides: &[Override]) -> Result<String, MissionError>
     // A file that does not parse gets its own error, with its place, later.
     let Ok(mut document) = text.parse::<DocumentMut>() else { return Ok(text) };
     for change in overrides {
-        let error = |message: String| {
+        apply(change, document.as_item_mut()).map_err(|message| {
             MissionError::of_file("--set", format!("{}={}: {message}", change.key, change.value))
-        };
-        let value: Value = change
-            .value
-            .parse()
-            .or_else(|_| {
-                format!("\"{}\"", change.value.replace('\\', "\\\\").replace('"', "\\\"")).parse()
-            })
-            .map_err(|_| error("not a value".into()))?;
-        let mut keys: Vec<&str> = change.key.split('.').collect();
-        let last = keys.pop().filter(|k| !k.is_empty()).ok_or_else(|| error("no key".into()))?;
-        let mut item: &mut Item = document.as_item_mut();
-        for key in keys {
-            item = match key.parse::<usize>() {
-                Ok(index) => {
-                    item.get_mut(index).ok_or_else(|| error(format!("there is no [{index}]")))?
-                }
-                Err(_) => {
-                    if item.get(key).is_none() {
-                        item[key] = toml_edit::table();
-                    }
-                    item.get_mut(key).ok_or_else(|| error(format!("`{key}` cannot be set")))?
-                }
-            };
-        }
-        if item.as_table_like().is_none() {
-            return Err(error(format!("`{last}` would lie in something that is no table")));
-        }
-        item[last] = Item::Value(value);
+        })?;
     }
     Ok(document.to_string())
 }
 
+/// Puts one change into a document; the error says what is wrong with its key.
+fn apply(change: &Override, mut item: &mut Item) -> Result<(), String> {
+    let value = change.value.parse().unwrap_or_else(|_| Value::from(change.value.as_str()));
+    let keys: Vec<&str> = change.key.split('.').collect();
+    if keys.iter().any(|key| key.is_empty()) {
+        return Err("expected a dotted path such as `budget.energy-j`".into());
+    }
+    for (depth, key) in keys.iter().enumerate() {
+        let is_last = depth + 1 == keys.len();
+        let above =
+            if depth == 0 { "the file".into() } else { format!("`{}`", keys[..depth].join(".")) };
+        if item.as_table_like().is_some() {
+            if is_last {
+                item[*key] = Item::Value(value);
+                return Ok(());
+            }
+            if item.get(key).is_none() {
+                item[*key] = toml_edit::table();
+            }
+            item = item.get_mut(key).ok_or_else(|| format!("`{key}` cannot be set"))?;
+        } else if item.is_array() || item.is_array_of_tables() {
+            let index: usize = key
+                .parse()
+                .map_err(|_| format!("{above} is a list; expected a number, not `{key}`"))?;
+            let count = match &*item {
+                Item::ArrayOfTables(tables) => tables.len(),
+                other => other.as_array().map_or(0, toml_edit::Array::len),
+            };
+            item = item
+                .get_mut(index)
+                .ok_or_else(|| format!("{above} has {count} entries, numbered from 0"))?;
+            if is_last && item.is_table() {
+                return Err(format!("`{}` is a table; expected one of its keys", change.key));
+            }
+            if is_last {
+                *item = Item::Value(value);
+                return Ok(());
+            }
+        } else {
+            return Err(format!("{above} is a plain value and holds no `{key}`"));
+        }
+    }
+    Ok(())
+}
+
+/// The largest length a mission may name, metres: far beyond any grid, far below overflow in cells.
+const FAR_M: f64 = 1e6;
+
+/// The largest cost of one operator, in seconds, joules or megabytes: sums of thousands stay exact enough to
+/// compare, and fit the integers the search counts milliseconds in.
+const MAX_COST: f64 = 1e9;
+
+/// The widest footprint, in cells of radius: every cell's roughness is fitted over that many, squared.
+const MAX_FOOTPRINT_CELLS: f64 = 16.0;
+
+/// The most goals that may be known at once.
+const MAX_KNOWN: usize = 1000;
+
+/// The most sequences a family may hold.
+const MAX_FAMILY: usize = 100;
+
+/// The most poses of one goal.
+const MAX_POSES: usize = 4;
+
 /// Turns the shape of a file into a spec and a world.
 struct Reader<'a> {
+    /// What the mission's file is called in errors.
+    name: &'a str,
     file: &'a MissionFile,
     text: &'a str,
 }
 
+/// Gives the bytes of a file by its path in the mission's folder.
 type Fetch<'a> = &'a mut dyn FnMut(&str) -> Result<Vec<u8>, MissionError>;
 
 impl Reader<'_> {
     fn error(&self, path: &[&str], message: impl std::fmt::Display) -> MissionError {
-        MissionError::at_key(MISSION_FILE, self.text, path, message)
+        MissionError::at_key(self.name, self.text, path, message)
     }
 
     /// A number that must lie in a range.
@@ -203,11 +248,22 @@ impl Reader<'_> {
             return Ok(value);
         }
         let expected = if high.is_infinite() {
-            format!("expected a number of at least {low}")
+            format!("expected a finite number of at least {low}")
         } else {
             format!("expected a number from {low} to {high}")
         };
         Err(self.error(path, format!("{value}; {expected}")))
+    }
+
+    /// A count that must lie in a range.
+    fn counted<T>(&self, path: &[&str], value: T, low: T, high: T) -> Result<T, MissionError>
+    where
+        T: Copy + PartialOrd + std::fmt::Display,
+    {
+        if value >= low && value <= high {
+            return Ok(value);
+        }
+        Err(self.error(path, format!("{value}; expected {low} to {high}")))
     }
 
     /// A name that must be one of a list.
@@ -226,13 +282,23 @@ impl Reader<'_> {
         let file = self.file;
         let mut truth = self.truth(fetch)?;
         let grid = truth[ELEVATION].layer.spec();
+        self.within(&["terrain", "spacing-m"], grid.spacing_m(), 1e-3, FAR_M)?;
         let layers = self.layers(&truth)?;
         let experts = file
             .experts
             .iter()
             .enumerate()
-            .map(|(i, path)| self.expert(i, path, &layers, fetch))
+            .map(|(i, path)| Self::expert(i, path, &layers, fetch))
             .collect::<Result<Vec<_>, _>>()?;
+        if experts.is_empty() {
+            return Err(self.error(&["experts"], "none; expected at least one table"));
+        }
+        for (i, expert) in experts.iter().enumerate() {
+            if experts[..i].iter().any(|earlier| earlier.name == expert.name) {
+                let message = format!("a second expert is named `{}`", expert.name);
+                return Err(self.error(&["experts", &i.to_string()], message));
+            }
+        }
         let fusion = Fusion {
             rule: self.named::<Rule>("rule", file.rule.as_deref())?,
             paradox_policy: self.named::<ParadoxPolicy>("paradox", file.paradox.as_deref())?,
@@ -243,7 +309,16 @@ impl Reader<'_> {
         let directives = self.directives(&domain, &experts)?;
         let manager = self.manager()?;
         let start = self.start(grid)?;
-        file.rover.vehicle.validate().map_err(|e| self.error(&["rover", "vehicle"], e))?;
+        file.rover.vehicle.validate().map_err(|e| match &e {
+            PlannerError::Vehicle { field, .. } => self.error(&["rover", "vehicle", field], &e),
+            _ => self.error(&["rover", "vehicle"], &e),
+        })?;
+        self.within(
+            &["rover", "vehicle", "footprint-radius-m"],
+            file.rover.vehicle.footprint_radius_m,
+            0.0,
+            MAX_FOOTPRINT_CELLS * grid.spacing_m(),
+        )?;
         let budget = self.budget()?;
         let within = |path: &[&str], value, low, high| self.within(path, value, low, high);
         let spec = Spec {
@@ -278,7 +353,7 @@ impl Reader<'_> {
                     &["fallback", "look-range-m"],
                     file.fallback.look_range_m,
                     0.0,
-                    f64::INFINITY,
+                    FAR_M,
                 )?,
                 min_ignorance: within(
                     &["fallback", "min-ignorance"],
@@ -294,13 +369,13 @@ impl Reader<'_> {
                     &["rover", "eye-height-m"],
                     file.rover.eye_height_m,
                     0.0,
-                    f64::INFINITY,
+                    FAR_M,
                 )?,
-                poses: file.rover.poses.clamp(1, 4),
+                poses: self.counted(&["rover", "poses"], file.rover.poses, 1, MAX_POSES)?,
             },
         };
         wisdom_autonomy::Autonomy::new(spec.clone())
-            .map_err(|e| MissionError::of_file(MISSION_FILE, e))?;
+            .map_err(|e| MissionError::of_file(self.name, e))?;
         let world = World::new(
             file.seed,
             std::mem::take(&mut truth),
@@ -309,12 +384,18 @@ impl Reader<'_> {
             self.prior(grid, &spec.layers)?,
             Execution {
                 start,
-                heading_rad: file.rover.heading_deg.to_radians(),
+                heading_rad: within(
+                    &["rover", "heading-deg"],
+                    file.rover.heading_deg,
+                    -360.0,
+                    360.0,
+                )?
+                .to_radians(),
                 look_every_m: within(
                     &["rover", "look-every-m"],
                     file.rover.look_every_m,
-                    grid.spacing_m(),
-                    f64::INFINITY,
+                    1e-3,
+                    FAR_M,
                 )?,
                 slip_scatter: within(
                     &["execution", "slip-scatter"],
@@ -337,14 +418,22 @@ impl Reader<'_> {
                 hazard_camera_m: within(
                     &["execution", "hazard-camera-m"],
                     file.execution.hazard_camera_m,
-                    grid.spacing_m(),
-                    100.0,
+                    0.0,
+                    FAR_M,
                 )?,
-                max_decisions: file.execution.max_decisions,
+                max_decisions: self.counted(
+                    &["execution", "max-decisions"],
+                    file.execution.max_decisions,
+                    1,
+                    1_000_000,
+                )?,
             },
-            file.terrain.body_radius_m,
+            file.terrain
+                .body_radius_m
+                .map(|r| within(&["terrain", "body-radius-m"], r, 1.0, f64::INFINITY))
+                .transpose()?,
         )
-        .map_err(|e| MissionError::of_file(MISSION_FILE, e))?;
+        .map_err(|e| MissionError::of_file(self.name, e))?;
         Ok((spec, world))
     }
 
@@ -362,24 +451,48 @@ impl Reader<'_> {
                 };
                 let spec = GridSpec::new(rows, cols, file.terrain.spacing_m.unwrap_or(1.0))
                     .map_err(|e| self.error(&["terrain"], e))?;
+                if spec.len() > MAX_CELLS {
+                    let message =
+                        format!("{rows} x {cols} cells; expected at most {MAX_CELLS} cells");
+                    return Err(self.error(&["terrain", "rows"], message));
+                }
                 landscape.render(spec, file.seed)
             }
         };
+        if file.terrain.landscape.is_none() {
+            let of_landscapes = [
+                ("rows", file.terrain.rows.is_some()),
+                ("cols", file.terrain.cols.is_some()),
+                ("spacing-m", file.terrain.spacing_m.is_some()),
+            ];
+            if let Some((key, _)) = of_landscapes.into_iter().find(|(_, given)| *given) {
+                let message = "only a `landscape` takes this; terrain files bring their own grid";
+                return Err(self.error(&["terrain", key], message));
+            }
+        }
         let mut truth: BTreeMap<String, LayerTruth> = BTreeMap::new();
         for (i, layer) in file.layer.iter().enumerate() {
             let index = i.to_string();
             let at = |key: &'static str| ["layer", index.as_str(), key].map(str::to_owned);
-            let path_of = |path: [String; 3]| path;
             let error = |key: &'static str, message: String| {
-                let path = path_of(at(key));
-                self.error(&path.each_ref().map(String::as_str), message)
+                self.error(&at(key).each_ref().map(String::as_str), message)
             };
-            if truth.contains_key(&layer.name) {
+            if file.layer[..i].iter().any(|earlier| earlier.name == layer.name) {
                 return Err(error("name", format!("layer `{}` is given twice", layer.name)));
             }
             if layer.derived.is_some() {
-                if layer.file.is_some() {
-                    return Err(error("file", "a derived layer has no file".into()));
+                let of_measured = [
+                    ("file", layer.file.is_some()),
+                    ("uncertainty-file", layer.uncertainty_file.is_some()),
+                    ("kind", layer.kind.is_some()),
+                    ("update", layer.update.is_some()),
+                    ("sigma", layer.sigma.is_some()),
+                    ("classes", layer.classes.is_some()),
+                ];
+                if let Some((key, _)) = of_measured.into_iter().find(|(_, given)| *given) {
+                    let message =
+                        format!("`{}` is derived; only measured layers take this", layer.name);
+                    return Err(error(key, message));
                 }
                 continue;
             }
@@ -412,14 +525,15 @@ impl Reader<'_> {
                 Some(path) => {
                     let grid = wisdom_terrain::format::read(path, &fetch(path)?)
                         .map_err(|e| error("uncertainty-file", e.to_string()))?;
-                    let cells = grid.raster.values().iter().zip(grid.known.values());
-                    let u: Vec<f32> = cells
-                        .map(|(u, known)| if *known { u.clamp(0.0, 1.0) } else { 1.0 })
-                        .collect();
-                    Some(
-                        wisdom_grid::Raster::from_vec(grid.raster.spec(), u)
-                            .map_err(|e| error("uncertainty-file", e.to_string()))?,
-                    )
+                    let known = |cell| grid.known[cell];
+                    let off = |(cell, u): &(Cell, &f32)| known(*cell) && !(0.0..=1.0).contains(*u);
+                    if let Some((cell, u)) = grid.raster.iter().find(off) {
+                        let message =
+                            format!("{path}: {u} at {cell}; expected numbers from 0 to 1");
+                        return Err(error("uncertainty-file", message));
+                    }
+                    let of = |cell| if known(cell) { grid.raster[cell] } else { 1.0 };
+                    Some(wisdom_grid::Raster::from_fn(grid.raster.spec(), of))
                 }
             };
             let kind = match layer.kind.unwrap_or(Kind::Scalar) {
@@ -444,21 +558,25 @@ impl Reader<'_> {
                     ReadingKind::Class { classes: classes.into_iter().map(f32::from).collect() }
                 }
             };
-            if let Some((name, first)) = truth.iter().next() {
-                for found in std::iter::once(values.spec())
-                    .chain(site_u.as_ref().map(wisdom_grid::Raster::spec))
-                {
-                    let expected = first.layer.spec();
-                    if found != expected {
-                        let message = format!(
-                            "`{}` lies on {}, `{name}` on {}; the layers of a mission share one grid",
-                            layer.name,
-                            shown(found),
-                            shown(expected)
-                        );
-                        return Err(error("file", message));
-                    }
-                }
+            let other_grid = |key, what: &str, found: GridSpec, name: &str, expected: GridSpec| {
+                let message = format!(
+                    "{what} lies on {}, `{name}` on {}; the layers of a mission share one grid",
+                    shown(found),
+                    shown(expected)
+                );
+                error(key, message)
+            };
+            if let Some((name, first)) = truth.iter().next()
+                && first.layer.spec() != values.spec()
+            {
+                let key = if layer.file.is_some() { "file" } else { "name" };
+                let (found, expected) = (values.spec(), first.layer.spec());
+                return Err(other_grid(key, &format!("`{}`", layer.name), found, name, expected));
+            }
+            if let Some(u) = site_u.as_ref().filter(|u| u.spec() != values.spec()) {
+                let (found, expected) = (u.spec(), values.spec());
+                let key = "uncertainty-file";
+                return Err(other_grid(key, "the uncertainty", found, &layer.name, expected));
             }
             truth.insert(layer.name.clone(), LayerTruth { layer: values, site_u, kind });
         }
@@ -501,7 +619,6 @@ impl Reader<'_> {
     }
 
     fn expert(
-        &self,
         index: usize,
         path: &str,
         layers: &[LayerSpec],
@@ -555,7 +672,10 @@ impl Reader<'_> {
             rows,
             outside,
         )
-        .map_err(|e| MissionError::of_file(path, e))?;
+        .map_err(|e| match row_at_fault(&file, &e) {
+            Some((kind, row)) => error(&[kind, &row.to_string()], e.to_string()),
+            None => MissionError::of_file(path, e),
+        })?;
         let Some(layer) = layers.iter().find(|l| l.name == file.layer) else {
             let known: Vec<&str> = layers.iter().map(|l| l.name.as_str()).collect();
             let message =
@@ -585,7 +705,31 @@ impl Reader<'_> {
                 cost: ServiceCost { time_s: o.time_s, energy_j: o.energy_j, data_mb: o.data_mb },
             })
             .collect();
-        Domain::new(&operators, &self.file.facts).map_err(|e| self.error(&["operator"], e))
+        for (i, operator) in operators.iter().enumerate() {
+            let index = i.to_string();
+            let cost = operator.cost;
+            for (key, value) in
+                [("time-s", cost.time_s), ("energy-j", cost.energy_j), ("data-mb", cost.data_mb)]
+            {
+                self.within(&["operator", &index, key], value, 0.0, MAX_COST)?;
+            }
+        }
+        Domain::new(&operators, &self.file.facts).map_err(|e| {
+            let place = match &e {
+                DomainError::DuplicateOperator { name } => {
+                    operators.iter().rposition(|o| o.name == *name).map(|i| (i, "name"))
+                }
+                DomainError::UnknownFact { name } => operators
+                    .iter()
+                    .position(|o| o.preconditions.contains(name))
+                    .map(|i| (i, "preconditions")),
+                _ => None,
+            };
+            match place {
+                Some((i, key)) => self.error(&["operator", &i.to_string(), key], e),
+                None => self.error(&["operator", "0"], e),
+            }
+        })
     }
 
     fn directives(
@@ -594,6 +738,12 @@ impl Reader<'_> {
         experts: &[Expert],
     ) -> Result<Vec<Directive>, MissionError> {
         let files = &self.file.directive;
+        for (i, d) in files.iter().enumerate() {
+            if files[..i].iter().any(|earlier| earlier.name == d.name) {
+                let message = format!("directive `{}` is given twice", d.name);
+                return Err(self.error(&["directive", &i.to_string(), "name"], message));
+            }
+        }
         let mut directives = Vec::new();
         for (i, d) in files.iter().enumerate() {
             let index = i.to_string();
@@ -604,9 +754,6 @@ impl Reader<'_> {
             let number = |key: &'static str, value: f64, low: f64, high: f64| {
                 self.within(&at(key).each_ref().map(String::as_str), value, low, high)
             };
-            if files[..i].iter().any(|other| other.name == d.name) {
-                return Err(error("name", format!("directive `{}` is given twice", d.name)));
-            }
             let experts = d
                 .experts
                 .iter()
@@ -624,10 +771,15 @@ impl Reader<'_> {
                 None => None,
                 Some(name) => {
                     Some(files.iter().position(|o| o.name == *name).ok_or_else(|| {
-                        error("substitute", format!("`{name}` is no directive of this mission"))
+                        let known: Vec<&str> = files.iter().map(|o| o.name.as_str()).collect();
+                        let known = known.join(", ");
+                        error("substitute", format!("`{name}` is no directive; there are {known}"))
                     })?)
                 }
             };
+            if substitute == Some(i) {
+                return Err(error("substitute", "a directive cannot stand in for itself".into()));
+            }
             let achieves = domain.set(&d.achieves).map_err(|e| error("achieves", e.to_string()))?;
             if achieves == wisdom_goals::FactSet::EMPTY {
                 return Err(error("achieves", "a directive must want at least one fact".into()));
@@ -645,8 +797,13 @@ impl Reader<'_> {
                 requires: domain.set(&d.requires).map_err(|e| error("requires", e.to_string()))?,
                 achieves,
                 standoff_m: number("standoff-m", d.standoff_m, 0.0, 1e4)?,
-                max_attempts: d.max_attempts.max(1),
-                exclusion_radius_m: number("exclusion-radius-m", d.exclusion_radius_m, 0.0, 1e6)?,
+                max_attempts: self.counted(
+                    &at("max-attempts").each_ref().map(String::as_str),
+                    d.max_attempts,
+                    1,
+                    1000,
+                )?,
+                exclusion_radius_m: number("exclusion-radius-m", d.exclusion_radius_m, 0.0, FAR_M)?,
                 substitute,
             });
         }
@@ -659,35 +816,26 @@ impl Reader<'_> {
     fn manager(&self) -> Result<ManagerSpec, MissionError> {
         let goals = &self.file.goals;
         let number = |key: &str, value, low, high| self.within(&["goals", key], value, low, high);
-        if goals.max_sequenced == 0 || goals.max_sequenced > MAX_SEQUENCED {
-            let message = format!("{}; expected 1 to {MAX_SEQUENCED}", goals.max_sequenced);
-            return Err(self.error(&["goals", "max-sequenced"], message));
-        }
         if let Some(floor) = goals.percentile_floor {
             number("percentile-floor", floor, 0.0, 100.0)?;
         }
         Ok(ManagerSpec {
             extraction: Extraction {
                 min_prominence: number("min-prominence", goals.min_prominence, 1e-6, 1.0)?,
-                min_separation_m: number(
-                    "min-separation-m",
-                    goals.min_separation_m,
-                    0.0,
-                    f64::INFINITY,
-                )?,
+                min_separation_m: number("min-separation-m", goals.min_separation_m, 0.0, FAR_M)?,
                 percentile_floor: goals.percentile_floor,
-                max_sites: goals.max_known.clamp(1, 1000),
+                max_sites: self.counted(&["goals", "max-known"], goals.max_known, 1, MAX_KNOWN)?,
             },
             hysteresis: number("hysteresis", goals.hysteresis, 0.0, 10.0)?,
-            identity_radius_m: number(
-                "identity-radius-m",
-                goals.identity_radius_m,
-                0.0,
-                f64::INFINITY,
+            identity_radius_m: number("identity-radius-m", goals.identity_radius_m, 0.0, FAR_M)?,
+            max_sequenced: self.counted(
+                &["goals", "max-sequenced"],
+                goals.max_sequenced,
+                1,
+                MAX_SEQUENCED,
             )?,
-            max_sequenced: goals.max_sequenced,
-            family: goals.family.clamp(1, 100),
-            expansions: goals.expansions.max(1),
+            family: self.counted(&["goals", "family"], goals.family, 1, MAX_FAMILY)?,
+            expansions: self.counted(&["goals", "expansions"], goals.expansions, 1, u64::MAX)?,
             max_reopenings: goals.max_reopenings,
         })
     }
@@ -736,8 +884,8 @@ impl Reader<'_> {
             instruments.push(Instrument {
                 name: file.name.clone(),
                 layers: file.layers.clone(),
-                height_m: number("height-m", file.height_m, 0.0, f64::INFINITY)?,
-                range_m: number("range-m", file.range_m, 1e-3, f64::INFINITY)?,
+                height_m: number("height-m", file.height_m, 0.0, FAR_M)?,
+                range_m: number("range-m", file.range_m, 1e-3, FAR_M)?,
                 u0: number("u0", file.u0, 0.0, 0.999)?,
                 field_of_view_rad: number("field-of-view-deg", file.field_of_view_deg, 1.0, 360.0)?
                     .to_radians(),
@@ -765,10 +913,13 @@ impl Reader<'_> {
                 })
             }
             PriorKind::FirstLook => {
-                for name in p.uncertainty.keys() {
+                for (name, how) in &p.uncertainty {
                     if !measured(name) {
-                        let message = "is no measured layer of the mission";
+                        let message = format!("`{name}` is no measured layer of the mission");
                         return Err(self.error(&["prior", "uncertainty", name], message));
+                    }
+                    if let FirstLookU::Sight(noise) = how {
+                        self.within(&["prior", "uncertainty", name, "sight"], *noise, 0.0, 1.0)?;
                     }
                 }
                 let mut pinned = Vec::new();
@@ -790,11 +941,31 @@ impl Reader<'_> {
                         &["prior", "camera-height-m"],
                         height,
                         0.0,
-                        f64::INFINITY,
+                        FAR_M,
                     )?,
                 })
             }
         }
+    }
+}
+
+/// The row of a table that an error is about: of two that clash, the later in the file.
+fn row_at_fault(file: &ExpertFile, error: &FusionError) -> Option<(&'static str, usize)> {
+    let band = |lo: f64, hi: f64| {
+        let same = |b: &crate::file::BandFile| {
+            b.from.total_cmp(&lo).is_eq() && b.to.total_cmp(&hi).is_eq()
+        };
+        file.band.iter().rposition(same)
+    };
+    match *error {
+        FusionError::Band { lo, hi, .. } => band(lo, hi).map(|row| ("band", row)),
+        FusionError::Overlap { first, second, .. } => {
+            Some(("band", band(first.0, first.1)?.max(band(second.0, second.1)?)))
+        }
+        FusionError::RepeatedClass { class, .. } | FusionError::ClassRange { class, .. } => {
+            file.class.iter().rposition(|c| c.value == class).map(|row| ("class", row))
+        }
+        _ => None,
     }
 }
 

@@ -1,4 +1,4 @@
-//! The common ruler: interest on the noise-free, fully known world under the classical DSm rule.
+//! The common ruler: interest on the noise-free, fully known world under the rule `dsmc`.
 
 use std::collections::BTreeMap;
 
@@ -16,6 +16,9 @@ pub struct Ruler(Raster<f32>);
 
 impl Ruler {
     /// The ruler of a mission's world.
+    ///
+    /// # Panics
+    /// Never for a mission that was loaded: loading checks what is looked up here.
     #[must_use]
     pub fn new(mission: &Mission) -> Self {
         let spec = &mission.spec;
@@ -37,7 +40,7 @@ impl Ruler {
             layers.insert(layer.name.clone(), values);
         }
         let fusion = Fusion { rule: Rule::Dsmc, statistic: Statistic::Belief, ..Fusion::default() };
-        let evidence = judge(&spec.experts, &layers).expect("the core judged the same experts");
+        let evidence = judge(&spec.experts, &layers).expect("loading checked the experts");
         Self(interest_map(&evidence, &fusion).interest)
     }
 

@@ -226,7 +226,7 @@ impl World {
     }
 
     fn layer_number(&self, name: &str) -> u64 {
-        self.truth.keys().position(|k| k == name).unwrap_or(usize::MAX) as u64
+        self.truth.keys().position(|k| k == name).expect("the layer is measured") as u64
     }
 
     /// What the instruments read from a pose; `look` numbers the look.
@@ -309,11 +309,16 @@ impl World {
         LayerWindow { layer: layer.to_owned(), window, values, uncertainty }
     }
 
-    /// What the hazard cameras see around the rover: true heights, for certain.
+    /// What the hazard cameras see around the rover: true heights, for certain. They always see far enough to
+    /// judge the step that stopped it, so that no decision asks for the same step again.
     #[must_use]
     pub fn close_look(&self, cell: Cell) -> Vec<LayerWindow> {
-        let radius = (self.execution.hazard_camera_m / self.grid().spacing_m()).ceil() as usize;
-        let window = self.grid().around(cell, radius);
+        let spacing_m = self.grid().spacing_m();
+        let asked = (self.execution.hazard_camera_m / spacing_m).ceil() as usize;
+        // A cell is judged by the ground under the footprint around it, or by its neighbours.
+        let footprint = (self.ground.vehicle().footprint_radius_m / spacing_m).round().max(1.0);
+        let needed = 1 + footprint as usize;
+        let window = self.grid().around(cell, asked.max(needed).min(wisdom_grid::MAX_SIDE));
         let truth = &self.truth[ELEVATION].layer;
         let read =
             |near: Cell| if truth.is_known(near) { (truth.value(near), 0.0) } else { (0.0, 1.0) };

@@ -1,0 +1,38 @@
+//! Options common to the commands that read a mission.
+
+use std::path::PathBuf;
+
+use wisdom_mission::{Mission, MissionError, Override};
+
+/// A mission and changes to it.
+#[derive(clap::Args, Debug, Clone)]
+pub(crate) struct MissionArgs {
+    /// A mission's folder or its mission.toml.
+    pub(crate) mission: PathBuf,
+    /// Change a key of mission.toml: `budget.energy-j=2e6`, `directive.0.weight=2`.
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    pub(crate) set: Vec<String>,
+    /// The objective over goal sequences: expected-interest or most-interesting.
+    #[arg(long, value_name = "POLICY")]
+    pub(crate) policy: Option<String>,
+}
+
+impl MissionArgs {
+    /// Reads the mission with its changes; `more` are further ones, which come first.
+    pub(crate) fn load(&self, more: &[Override]) -> Result<Mission, MissionError> {
+        let mut overrides = more.to_vec();
+        overrides.extend(self.policy.iter().map(|p| Override::new("policy", quoted(p))));
+        for change in &self.set {
+            let (key, value) = change.split_once('=').ok_or_else(|| {
+                MissionError::of_file("--set", format!("`{change}`; expected KEY=VALUE"))
+            })?;
+            overrides.push(Override::new(key.trim(), value.trim()));
+        }
+        Mission::load(&self.mission, &overrides)
+    }
+}
+
+/// Text as a TOML string, so that a name is never taken for a number or a date.
+pub(crate) fn quoted(text: &str) -> String {
+    format!("\"{}\"", text.replace('\\', "\\\\").replace('"', "\\\""))
+}

@@ -1,0 +1,310 @@
+//! `wisdom run`: a mission in closed loop, logged.
+
+use std::collections::BTreeMap;
+use std::io::{IsTerminal, Write};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use comfy_table::Table;
+use comfy_table::presets::UTF8_HORIZONTAL_ONLY;
+use indicatif::{ProgressBar, ProgressStyle};
+use serde_json::{Value, json};
+use wisdom_autonomy::{Decision, Maps, Observation, Outcome};
+use wisdom_goals::{Action, Cause, GoalId, Reason};
+use wisdom_logbook::LogWriter;
+use wisdom_mission::{Mission, Override, Progress, RecordError, Recorder, RunSummary};
+
+use crate::exit::InputError;
+use crate::mission_args::{MissionArgs, quoted};
+
+/// Run a mission in closed loop and log it.
+#[derive(clap::Args, Debug)]
+pub(crate) struct RunArgs {
+    #[command(flatten)]
+    mission: MissionArgs,
+    /// Where the log goes [default: logs/NAME-seedN-RULE.mcap].
+    #[arg(long, value_name = "PATH")]
+    log: Option<PathBuf>,
+    /// Seed of the world's chance.
+    #[arg(long)]
+    seed: Option<u64>,
+    /// Fusion rule: dsmc, dempster or pcr6.
+    #[arg(long)]
+    rule: Option<String>,
+    /// Print nothing but errors.
+    #[arg(long)]
+    quiet: bool,
+    /// Print one JSON object instead of text.
+    #[arg(long)]
+    json: bool,
+}
+
+/// What was done with goals: how often each action was taken for each reason, and with which goals.
+#[derive(Default)]
+struct Tally {
+    changes: BTreeMap<(Action, Reason, Cause), Vec<GoalId>>,
+}
+
+/// Writes the log and counts changes on the way.
+struct Logged<'a> {
+    log: &'a mut LogWriter,
+    tally: Tally,
+}
+
+impl Recorder for Logged<'_> {
+    fn observation(&mut self, observation: &Observation) -> Result<(), RecordError> {
+        Recorder::observation(self.log, observation)
+    }
+
+    fn decision(&mut self, decision: &Decision, maps: &Maps) -> Result<(), RecordError> {
+        for verdict in &decision.verdicts {
+            self.tally
+                .changes
+                .entry((verdict.action, verdict.reason, verdict.cause))
+                .or_default()
+                .push(verdict.goal.id);
+        }
+        Recorder::decision(self.log, decision, maps)
+    }
+
+    fn outcome(&mut self, outcome: &Outcome) -> Result<(), RecordError> {
+        Recorder::outcome(self.log, outcome)
+    }
+}
+
+pub(crate) fn run(args: &RunArgs) -> anyhow::Result<ExitCode> {
+    let mut overrides = Vec::new();
+    overrides.extend(args.seed.map(|s| Override::new("seed", s.to_string())));
+    overrides.extend(args.rule.iter().map(|r| Override::new("rule", quoted(r))));
+    let mission = args.mission.load(&overrides)?;
+    let path = match &args.log {
+        Some(path) => path.clone(),
+        None => free_name(&mission)?,
+    };
+    let mut log = wisdom_logbook::begin(&path, &mission)?;
+    let stop = interrupted()?;
+    let bar = bar(args, &mission)?;
+    let mut recorder = Logged { log: &mut log, tally: Tally::default() };
+    let result = wisdom_mission::run(&mission, &mut recorder, &mut |progress| {
+        tick(&bar, progress);
+        !stop.load(std::sync::atomic::Ordering::Relaxed)
+    });
+    let tally = recorder.tally;
+    bar.finish_and_clear();
+    let summary = match result {
+        Ok(summary) => {
+            log.finish(&summary.status.to_string(), &BTreeMap::new())?;
+            summary
+        }
+        Err(error) => {
+            // What was written stays, and says why it ends here.
+            let closed = log.finish("failed", &BTreeMap::new());
+            let error = anyhow::Error::from(error).context(format!("{}", path.display()));
+            return Err(match closed {
+                Ok(_) => error,
+                Err(more) => error.context(format!("and the log could not be closed: {more}")),
+            });
+        }
+    };
+    if !args.quiet {
+        let mut out = std::io::stdout().lock();
+        if args.json {
+            writeln!(out, "{}", as_json(&mission, &summary, &tally, &path))?;
+        } else {
+            write_summary(&mut out, &mission, &summary, &tally, &path)?;
+        }
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// A flag that an interrupt (Ctrl-C) or a request to terminate raises: the run then ends with its end record.
+fn interrupted() -> anyhow::Result<std::sync::Arc<std::sync::atomic::AtomicBool>> {
+    let flag = std::sync::Arc::new(std::sync::atomic::AtomicBool::new(false));
+    let raised = flag.clone();
+    ctrlc::set_handler(move || {
+        raised.store(true, std::sync::atomic::Ordering::Relaxed);
+    })?;
+    Ok(flag)
+}
+
+/// `logs/NAME-seedN-RULE.mcap`, with a number behind it if that is taken: a log is never overwritten.
+fn free_name(mission: &Mission) -> Result<PathBuf, InputError> {
+    let folder = Path::new("logs");
+    std::fs::create_dir_all(folder)
+        .map_err(|e| InputError(format!("{}: {e}; name a place with --log", folder.display())))?;
+    let stem = format!("{}-seed{}-{}", mission.name, mission.seed, mission.spec.fusion.rule);
+    let free = |path: &Path| !path.exists() && !path.with_extension("mcap.part").exists();
+    (1..=9999)
+        .map(|n| match n {
+            1 => folder.join(format!("{stem}.mcap")),
+            n => folder.join(format!("{stem}-{n}.mcap")),
+        })
+        .find(|path| free(path))
+        .ok_or_else(|| InputError(format!("no free name for {stem} in logs; name one with --log")))
+}
+
+fn bar(args: &RunArgs, mission: &Mission) -> anyhow::Result<ProgressBar> {
+    let shown = !args.quiet && std::io::stderr().is_terminal();
+    let bar = if shown { ProgressBar::new(1000) } else { ProgressBar::hidden() };
+    bar.set_style(ProgressStyle::with_template(
+        "{prefix} {bar:30} {percent:>3} % of the budget  {msg}  {elapsed}",
+    )?);
+    bar.set_prefix(mission.name.clone());
+    Ok(bar)
+}
+
+fn tick(bar: &ProgressBar, progress: &Progress<'_>) {
+    let energy = progress.spent.energy_j / progress.energy_j.max(f64::MIN_POSITIVE);
+    let time = progress.spent.time_s / progress.time_s.max(f64::MIN_POSITIVE);
+    bar.set_position((energy.max(time).clamp(0.0, 1.0) * 1000.0) as u64);
+    if let Some(decision) = progress.decision {
+        bar.set_message(format!(
+            "decision {}, {:.0} m, {} goals reached",
+            decision.number, progress.spent.length_m, progress.achieved
+        ));
+    }
+}
+
+/// Changes worth telling: everything but keeping and deferring.
+fn told(tally: &Tally) -> impl Iterator<Item = (&(Action, Reason, Cause), &Vec<GoalId>)> {
+    tally
+        .changes
+        .iter()
+        .filter(|((action, _, _), _)| !matches!(action, Action::Keep | Action::Defer))
+}
+
+fn as_json(mission: &Mission, summary: &RunSummary, tally: &Tally, path: &Path) -> Value {
+    json!({
+        "mission": mission.name,
+        "seed": mission.seed,
+        "rule": mission.spec.fusion.rule.to_string(),
+        "policy": mission.spec.policy.to_string(),
+        "status": summary.status.to_string(),
+        "goals": summary.achieved.iter().map(|a| json!({
+            "goal": a.goal.to_string(), "directive": a.directive,
+            "row": a.target.row, "col": a.target.col,
+            "interest": a.interest, "prize": a.prize, "ruler": a.ruler, "time_s": a.time_s,
+        })).collect::<Vec<_>>(),
+        "changes": tally.changes.iter().map(|((action, reason, cause), goals)| json!({
+            "action": action.to_string(), "reason": reason.to_string(), "cause": cause.to_string(),
+            "count": goals.len(), "goals": goals.iter().map(ToString::to_string).collect::<Vec<_>>(),
+        })).collect::<Vec<_>>(),
+        "reallocations": summary.reallocations(),
+        "interest_own_map": summary.interest(),
+        "interest_ruler": summary.ruler(),
+        "distance_m": summary.spent.length_m,
+        "time_s": summary.spent.time_s,
+        "energy_j": summary.spent.energy_j,
+        "data_mb": summary.spent.data_mb,
+        "decisions": summary.decisions,
+        "observations": summary.observations,
+        "legs": legs(summary),
+        "log": path.display().to_string(),
+    })
+}
+
+fn legs(summary: &RunSummary) -> Value {
+    let ended = summary.legs.iter().filter(|l| l.arrived.is_some());
+    let arrived = summary.legs.iter().filter(|l| l.arrived == Some(true)).count();
+    let predicted: f64 = ended.clone().map(|l| l.predicted).sum();
+    json!({
+        "driven": summary.legs.len(),
+        "ended": ended.count(),
+        "arrived": arrived,
+        "predicted_arrivals": predicted,
+        "brier": summary.brier(),
+    })
+}
+
+fn write_summary(
+    out: &mut dyn Write,
+    mission: &Mission,
+    summary: &RunSummary,
+    tally: &Tally,
+    path: &Path,
+) -> std::io::Result<()> {
+    let spec = &mission.spec;
+    writeln!(
+        out,
+        "{}: seed {}, rule {}, policy {}, prize {}\n",
+        mission.name, mission.seed, spec.fusion.rule, spec.policy, spec.prize
+    )?;
+    writeln!(out, "Goals reached, in order")?;
+    let mut table = Table::new();
+    table.load_style(UTF8_HORIZONTAL_ONLY);
+    table.set_header(["goal", "directive", "row, col", "interest", "prize", "ruler", "at"]);
+    for goal in &summary.achieved {
+        table.add_row([
+            goal.goal.to_string(),
+            goal.directive.clone(),
+            format!("{}, {}", goal.target.row, goal.target.col),
+            format!("{:.3}", goal.interest),
+            format!("{:.3}", goal.prize),
+            format!("{:.3}", goal.ruler),
+            clock(goal.time_s),
+        ]);
+    }
+    writeln!(out, "{table}")?;
+    writeln!(out, "\nWhat was done with goals, and why (keep and defer left out)")?;
+    let mut table = Table::new();
+    table.load_style(UTF8_HORIZONTAL_ONLY);
+    table.set_header(["action", "reason", "cause", "times", "goals"]);
+    for ((action, reason, cause), goals) in told(tally) {
+        let mut names: Vec<String> = goals.iter().take(8).map(ToString::to_string).collect();
+        if goals.len() > names.len() {
+            names.push("...".into());
+        }
+        table.add_row([
+            action.to_string(),
+            reason.to_string(),
+            cause.to_string(),
+            goals.len().to_string(),
+            names.join(" "),
+        ]);
+    }
+    writeln!(out, "{table}\n")?;
+    writeln!(
+        out,
+        "interest gained {:.3} on the rover's own map, {:.3} on the common ruler (the true world under dsmc)",
+        summary.interest(),
+        summary.ruler()
+    )?;
+    let legs = legs(summary);
+    write!(
+        out,
+        "legs            {} driven to an end, {} arrived, {:.2} predicted",
+        legs["ended"],
+        legs["arrived"],
+        legs["predicted_arrivals"].as_f64().unwrap_or(0.0)
+    )?;
+    if let Some(brier) = summary.brier() {
+        write!(out, " (Brier score {brier:.4})")?;
+    }
+    let spent = &summary.spent;
+    writeln!(out)?;
+    writeln!(
+        out,
+        "spent           {:.0} m, {} of {}, {:.2} of {:.2} MJ, {:.0} MB",
+        spent.length_m,
+        clock(spent.time_s),
+        clock(spec.budget.time_s),
+        spent.energy_j / 1e6,
+        (spec.budget.energy_j - spec.budget.reserve_j) / 1e6,
+        spent.data_mb
+    )?;
+    writeln!(
+        out,
+        "decisions       {} ({} reallocations after the first), {} looks",
+        summary.decisions,
+        summary.reallocations(),
+        summary.observations
+    )?;
+    writeln!(out, "ended           {}", summary.status)?;
+    writeln!(out, "log             {}", path.display())
+}
+
+/// Seconds as h:mm.
+pub(crate) fn clock(time_s: f64) -> String {
+    let minutes = (time_s / 60.0).round() as u64;
+    format!("{}:{:02} h", minutes / 60, minutes % 60)
+}

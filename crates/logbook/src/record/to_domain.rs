@@ -1,0 +1,266 @@
+//! Records back into domain types, checked field by field.
+
+use wisdom_autonomy as core;
+use wisdom_goals::{self as goals, GoalId, Reason, Status};
+use wisdom_grid as grid;
+
+use super::{Cell, Goal, LayerWindow, ManagerState, Observation, Outcome, Pose, Retired, Spent};
+use crate::LogError;
+
+/// Every reason a record may name.
+const REASONS: [Reason; 21] = [
+    Reason::NewMaximum,
+    Reason::Reopened,
+    Reason::Promoted,
+    Reason::Unchanged,
+    Reason::PeakMoved,
+    Reason::Eroded,
+    Reason::BetterOrder,
+    Reason::Time,
+    Reason::Energy,
+    Reason::Data,
+    Reason::Risk,
+    Reason::Outweighed,
+    Reason::Held,
+    Reason::BeyondExact,
+    Reason::Unreachable,
+    Reason::Preconditions,
+    Reason::LostInterest,
+    Reason::Merged,
+    Reason::AttemptsSpent,
+    Reason::Explained,
+    Reason::Done,
+];
+
+const STATUSES: [Status; 4] =
+    [Status::Formulated, Status::Committed, Status::Achieved, Status::Dropped];
+
+/// The record being read, to be named if it is malformed.
+struct Reading<'a> {
+    kind: &'a str,
+    number: u32,
+}
+
+impl Reading<'_> {
+    fn malformed(&self, field: &str, found: &dyn ToString, limit: &'static str) -> LogError {
+        LogError::Malformed {
+            record: format!("{} {}", self.kind, self.number),
+            field: field.to_owned(),
+            found: found.to_string(),
+            limit,
+        }
+    }
+
+    fn present<T>(&self, field: &str, value: Option<T>) -> Result<T, LogError> {
+        value.ok_or_else(|| self.malformed(field, &"absent", "there"))
+    }
+
+    fn finite(&self, field: &str, value: f64) -> Result<f64, LogError> {
+        if value.is_finite() { Ok(value) } else { Err(self.malformed(field, &value, "finite")) }
+    }
+
+    fn cell(&self, field: &str, cell: Option<&Cell>) -> Result<grid::Cell, LogError> {
+        let cell = self.present(field, cell)?;
+        Ok(grid::Cell::new(self.side(field, cell.row)?, self.side(field, cell.col)?))
+    }
+
+    /// A row, a column, or a number of them.
+    fn side(&self, field: &str, value: u32) -> Result<usize, LogError> {
+        let value = value as usize;
+        if value <= grid::MAX_SIDE {
+            Ok(value)
+        } else {
+            Err(self.malformed(field, &value, "at most the longest side of a grid, 65535"))
+        }
+    }
+
+    fn pose(&self, pose: Option<&Pose>) -> Result<core::Pose, LogError> {
+        let pose = self.present("pose", pose)?;
+        Ok(core::Pose {
+            cell: self.cell("pose.cell", pose.cell.as_ref())?,
+            heading_rad: self.finite("pose.heading_rad", pose.heading_rad)?,
+        })
+    }
+
+    fn spent(&self, spent: Option<&Spent>) -> Result<core::Spent, LogError> {
+        let spent = self.present("spent", spent)?;
+        Ok(core::Spent {
+            time_s: self.finite("spent.time_s", spent.time_s)?,
+            energy_j: self.finite("spent.energy_j", spent.energy_j)?,
+            data_mb: self.finite("spent.data_mb", spent.data_mb)?,
+            length_m: self.finite("spent.length_m", spent.length_m)?,
+        })
+    }
+
+    fn window(&self, reading: &LayerWindow) -> Result<core::LayerWindow, LogError> {
+        let side =
+            |field: &str, value: u32| self.side(&format!("{}.{field}", reading.layer), value);
+        let window = grid::Window {
+            row: side("row", reading.row)?,
+            col: side("col", reading.col)?,
+            rows: side("rows", reading.rows)?,
+            cols: side("cols", reading.cols)?,
+        };
+        let cells = window.rows * window.cols;
+        for (field, values) in [("values", &reading.values), ("uncertainty", &reading.uncertainty)]
+        {
+            let field = format!("{}.{field}", reading.layer);
+            if values.len() != cells {
+                let found = format!("{} numbers for {window}", values.len());
+                return Err(self.malformed(&field, &found, "one for each cell of the window"));
+            }
+            if let Some(value) = values.iter().find(|value| !value.is_finite()) {
+                return Err(self.malformed(&field, &value, "finite"));
+            }
+        }
+        if let Some(u) = reading.uncertainty.iter().find(|u| !(0.0..=1.0).contains(*u)) {
+            return Err(self.malformed(&format!("{}.uncertainty", reading.layer), &u, "in [0, 1]"));
+        }
+        Ok(core::LayerWindow {
+            layer: reading.layer.clone(),
+            window,
+            values: reading.values.clone(),
+            uncertainty: reading.uncertainty.clone(),
+        })
+    }
+
+    fn reason(&self, field: &str, name: &str) -> Result<Reason, LogError> {
+        REASONS
+            .into_iter()
+            .find(|reason| reason.to_string() == name)
+            .ok_or_else(|| self.malformed(field, &name, "the name of a reason"))
+    }
+
+    fn goal(&self, goal: &Goal) -> Result<goals::Goal, LogError> {
+        let field = |name: &str| format!("manager.goals[G{}].{name}", goal.id);
+        let finite = |name: &str, value: f64| self.finite(&field(name), value);
+        for (index, &share) in goal.credit.iter().enumerate() {
+            finite(&format!("credit[{index}]"), share)?;
+        }
+        let status = STATUSES
+            .into_iter()
+            .find(|&status| super::of_domain::status(status) == goal.status)
+            .ok_or_else(|| {
+                self.malformed(&field("status"), &goal.status, "the name of a goal's status")
+            })?;
+        Ok(goals::Goal {
+            id: GoalId(goal.id),
+            directive: goal.directive as usize,
+            target: self.cell(&field("target"), goal.target.as_ref())?,
+            interest: finite("interest", goal.interest)?,
+            prize: finite("prize", goal.prize)?,
+            prominence: finite("prominence", goal.prominence)?,
+            ignorance: finite("ignorance", goal.ignorance)?,
+            paradox: finite("paradox", goal.paradox)?,
+            credit: goal.credit.clone(),
+            region_cells: goal.region_cells as usize,
+            attempts: goal.attempts,
+            born: goal.born,
+            status,
+        })
+    }
+
+    fn retired(&self, place: &Retired) -> Result<goals::Retired, LogError> {
+        let field = |name: &str| format!("manager.retired[G{}].{name}", place.goal);
+        Ok(goals::Retired {
+            goal: GoalId(place.goal),
+            target: self.cell(&field("target"), place.target.as_ref())?,
+            radius_m: self.finite(&field("radius_m"), place.radius_m)?,
+            reason: self.reason(&field("reason"), &place.reason)?,
+            ground: place.ground,
+            reopenings: place.reopenings,
+            closed: place.closed,
+        })
+    }
+}
+
+impl TryFrom<&Observation> for core::Observation {
+    type Error = LogError;
+
+    fn try_from(record: &Observation) -> Result<Self, LogError> {
+        let reading = Reading { kind: "observation", number: record.number };
+        Ok(Self {
+            number: record.number,
+            pose: reading.pose(record.pose.as_ref())?,
+            spent: reading.spent(record.spent.as_ref())?,
+            windows: record
+                .windows
+                .iter()
+                .map(|window| reading.window(window))
+                .collect::<Result<_, _>>()?,
+        })
+    }
+}
+
+impl TryFrom<&Outcome> for core::Outcome {
+    type Error = LogError;
+
+    fn try_from(record: &Outcome) -> Result<Self, LogError> {
+        use core::StepResult as Step;
+        let reading = Reading { kind: "outcome of decision", number: record.decision };
+        let goal = || reading.present("goal", record.goal).map(GoalId);
+        let result = match record.result.as_str() {
+            "achieved" => Step::Achieved(goal()?),
+            "blocked" => Step::Blocked(goal()?),
+            "aborted" => Step::Aborted(goal()?),
+            "interrupted" => Step::Interrupted(goal()?),
+            "arrived" => Step::Arrived,
+            "stopped" => Step::Stopped,
+            other => {
+                return Err(reading.malformed("result", &other, "the name of a step's result"));
+            }
+        };
+        Ok(Self {
+            decision: record.decision,
+            result,
+            operators: record.operators.clone(),
+            pose: reading.pose(record.pose.as_ref())?,
+            spent: reading.spent(record.spent.as_ref())?,
+            predicted_reliability: reading
+                .finite("predicted_reliability", record.predicted_reliability)?,
+            track: record
+                .track
+                .iter()
+                .map(|cell| reading.cell("track", Some(cell)))
+                .collect::<Result<_, _>>()?,
+        })
+    }
+}
+
+impl TryFrom<&ManagerState> for goals::ManagerState {
+    type Error = LogError;
+
+    /// The memory of a goal manager, to take a decision again from where it was taken.
+    fn try_from(record: &ManagerState) -> Result<Self, LogError> {
+        let reading = Reading { kind: "decision", number: record.decision };
+        let event = |event: &super::Event| match event.kind.as_str() {
+            "achieved" => Ok((GoalId(event.goal), goals::Event::Achieved)),
+            "failed" => Ok((GoalId(event.goal), goals::Event::Failed)),
+            other => Err(reading.malformed("manager.events.kind", &other, "achieved or failed")),
+        };
+        let tries = |tries: &super::Tries| {
+            let target = reading.cell("manager.tries.target", tries.target.as_ref())?;
+            Ok::<_, LogError>(goals::Tries { target, failed: tries.failed })
+        };
+        let mut known = std::collections::BTreeMap::new();
+        for record in &record.goals {
+            let goal = reading.goal(record)?;
+            if let Some(twice) = known.insert(goal.id, goal) {
+                return Err(reading.malformed("manager.goals", &twice.id, "there once"));
+            }
+        }
+        Ok(Self {
+            goals: known,
+            agenda: record.agenda.iter().map(|&id| GoalId(id)).collect(),
+            retired: record
+                .retired
+                .iter()
+                .map(|place| reading.retired(place))
+                .collect::<Result<_, _>>()?,
+            events: record.events.iter().map(event).collect::<Result<_, _>>()?,
+            tries: record.tries.iter().map(tries).collect::<Result<_, _>>()?,
+            next_id: record.next_id,
+            decision: record.decision,
+        })
+    }
+}

@@ -1,0 +1,278 @@
+//! A log fed back to the core: the second client of the same three functions that a run calls.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use wisdom_autonomy::{Autonomy, AutonomyError, Decision, Maps, Observation, Outcome};
+use wisdom_goals::{Action, CausalGraph, GoalId};
+use wisdom_grid::Cell;
+use wisdom_mission::{Mission, MissionError, RecordError, Recorder};
+
+use crate::compare::{Difference, first_difference};
+use crate::record::{self, CHAIN_START, hex};
+use crate::{
+    DecisionMaps, Entry, LogError, LogReader, LogWriter, Options, RunHeader, Setting, Status,
+};
+
+/// Where a mission's files lie among a log's attachments.
+const MISSION_FOLDER: &str = "mission/";
+
+/// Why a log cannot be fed back.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ReplayError {
+    /// The log cannot be read.
+    #[error(transparent)]
+    Log(#[from] LogError),
+    /// The mission inside does not load.
+    #[error("the mission inside the log does not load:\n{0}")]
+    Mission(#[from] MissionError),
+    /// The core refuses a logged input.
+    #[error("the core refuses what was logged: {0}")]
+    Core(#[from] AutonomyError),
+    /// A chosen sequence is no valid STRIPS plan.
+    #[error(transparent)]
+    Plan(#[from] wisdom_goals::PlanError),
+}
+
+/// Begins the log of a mission: its files, identity and settings go in first.
+///
+/// # Errors
+/// [`LogError`] if the log exists already or cannot be written.
+pub fn begin(path: &Path, mission: &Mission) -> Result<LogWriter, LogError> {
+    let spec = &mission.spec;
+    let overrides: Vec<String> =
+        mission.overrides.iter().map(|o| format!("{}={}", o.key, o.value)).collect();
+    let metadata: BTreeMap<String, String> = [
+        ("mission", mission.name.clone()),
+        ("mission_digest", hex(&mission.digest)),
+        ("seed", mission.seed.to_string()),
+        ("rule", spec.fusion.rule.to_string()),
+        ("paradox", spec.fusion.paradox_policy.to_string()),
+        ("statistic", spec.fusion.statistic.to_string()),
+        ("policy", spec.policy.to_string()),
+        ("prize", spec.prize.to_string()),
+        ("overrides", overrides.join("\n")),
+        ("version", env!("CARGO_PKG_VERSION").to_owned()),
+    ]
+    .into_iter()
+    .map(|(key, value)| (key.to_owned(), value))
+    .collect();
+    let attachments = mission
+        .files
+        .iter()
+        .map(|(path, bytes)| {
+            let media = match path.rsplit('.').next() {
+                Some("toml") => "application/toml",
+                Some("tif" | "tiff") => "image/tiff",
+                _ => "application/octet-stream",
+            };
+            (format!("{MISSION_FOLDER}{path}"), media.to_owned(), bytes.clone())
+        })
+        .collect();
+    let header = RunHeader { metadata, attachments };
+    LogWriter::create(path, &header, Setting::from(spec), Options::default())
+}
+
+impl Recorder for LogWriter {
+    fn observation(&mut self, observation: &Observation) -> Result<(), RecordError> {
+        Self::observation(self, observation).map_err(|e| RecordError(e.to_string()))
+    }
+
+    fn decision(&mut self, decision: &Decision, maps: &Maps) -> Result<(), RecordError> {
+        let elevation = maps.layers[wisdom_autonomy::ELEVATION].values();
+        // Later decisions change little of it, and it can be derived again.
+        let first = [("elevation", elevation)];
+        let others: &[_] = if decision.number == 0 { &first } else { &[] };
+        let planes = DecisionMaps { interest: &maps.interest.interest, others };
+        Self::decision(self, decision, &planes).map_err(|e| RecordError(e.to_string()))
+    }
+
+    fn outcome(&mut self, outcome: &Outcome) -> Result<(), RecordError> {
+        Self::outcome(self, outcome).map_err(|e| RecordError(e.to_string()))
+    }
+}
+
+/// The mission inside a log.
+///
+/// # Errors
+/// [`ReplayError::Mission`] if it is not there or does not load.
+pub fn mission_of(log: &LogReader) -> Result<Mission, ReplayError> {
+    let files: BTreeMap<String, Vec<u8>> = log
+        .attachments
+        .iter()
+        .filter_map(|a| Some((a.name.strip_prefix(MISSION_FOLDER)?.to_owned(), a.data.clone())))
+        .collect();
+    Ok(Mission::from_files(&files)?)
+}
+
+/// What became of a verification.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Verification {
+    /// Decisions that agree (all of them, or those before the first difference).
+    pub decisions: u32,
+    /// How whole the file is.
+    pub status: Status,
+    /// The digest chain over the decision records: `intact`, or where it breaks.
+    pub chain: String,
+    /// The first difference between what was logged and what the logged inputs lead to.
+    pub difference: Option<Difference>,
+    /// What else a reader should know.
+    pub remarks: Vec<String>,
+}
+
+/// Derives every decision of a log again from its logged inputs and compares it, field by field, with the
+/// logged one. `progress` is told of every decision that agrees.
+///
+/// # Errors
+/// [`ReplayError`] if the log cannot be read or its mission does not load. A difference is no error.
+pub fn verify(path: &Path, progress: &mut dyn FnMut(u32)) -> Result<Verification, ReplayError> {
+    let log = LogReader::open(path)?;
+    let mission = mission_of(&log)?;
+    let mut found = Verification {
+        decisions: 0,
+        status: log.status.clone(),
+        chain: chain(&log),
+        difference: None,
+        remarks: Vec::new(),
+    };
+    let logged_digest = log.metadata.get("mission_digest").cloned().unwrap_or_default();
+    if logged_digest != hex(&mission.digest) {
+        found.difference = Some(Difference {
+            decision: 0,
+            stage: "identity",
+            path: "mission_digest".into(),
+            left: logged_digest,
+            right: hex(&mission.digest),
+            ulps: None,
+        });
+        return Ok(found);
+    }
+    let version = env!("CARGO_PKG_VERSION");
+    if let Some(other) = log.metadata.get("version").filter(|v| *v != version) {
+        found.remarks.push(format!("logged by version {other}, verified by {version}"));
+    }
+    if !found.chain.starts_with("intact") {
+        found.remarks.push(format!("digest chain {}", found.chain));
+    }
+    let setting = Setting::from(&mission.spec);
+    let mut rover = Autonomy::new(mission.spec.clone())?;
+    for entry in &log.entries {
+        let number = found.decisions;
+        let refused = |error: AutonomyError, stage: &'static str, what: String| Difference {
+            decision: number,
+            stage,
+            path: what,
+            left: "logged as an input".into(),
+            right: format!("refused: {error}"),
+            ulps: None,
+        };
+        match entry {
+            Entry::Observation(logged) => {
+                let observation = Observation::try_from(logged)?;
+                if let Err(error) = rover.observe(&observation) {
+                    let what = format!("observation {}", observation.number);
+                    found.difference = Some(refused(error, "frame", what));
+                    return Ok(found);
+                }
+            }
+            Entry::Outcome(logged) => {
+                let outcome = Outcome::try_from(logged)?;
+                if let Err(error) = rover.report(&outcome) {
+                    let what = format!("outcome of decision {}", outcome.decision);
+                    found.difference = Some(refused(error, "state", what));
+                    return Ok(found);
+                }
+            }
+            Entry::Decision(logged) => {
+                let derived = match rover.decide() {
+                    Ok(decision) => record::Decision::of(&decision, &setting),
+                    Err(error) => {
+                        found.difference = Some(refused(error, "choice", "decision".into()));
+                        return Ok(found);
+                    }
+                };
+                let bare = record::Decision { chain: String::new(), ..(**logged).clone() };
+                if let Some(difference) = first_difference(&bare, &derived) {
+                    found.difference = Some(difference);
+                    return Ok(found);
+                }
+                found.decisions += 1;
+                progress(found.decisions);
+            }
+        }
+    }
+    Ok(found)
+}
+
+/// Whether every decision record carries the digest of itself and of all before it.
+fn chain(log: &LogReader) -> String {
+    let mut link = CHAIN_START;
+    for decision in log.decisions() {
+        link = decision.link(&link);
+        if decision.chain != hex(&link) {
+            return format!("breaks at decision {}", decision.number);
+        }
+    }
+    match &log.end {
+        Some(end) if end.chain != hex(&link) => {
+            "ends in another digest than the end record says".into()
+        }
+        Some(_) => "intact".into(),
+        None => "intact as far as the log goes".into(),
+    }
+}
+
+/// A decision of the past with the maps it was made from.
+#[derive(Debug, Clone)]
+pub struct Past {
+    /// The decision, derived again.
+    pub decision: Decision,
+    /// The maps it was made from.
+    pub maps: Maps,
+    /// Goals achieved before it: their targets and names.
+    pub achieved: Vec<(Cell, String)>,
+}
+
+/// Derives a decision of a log again, with its maps; none if the log does not hold it.
+///
+/// # Errors
+/// [`ReplayError`] if the log's mission does not load or the core refuses a logged input.
+pub fn derive_at(log: &LogReader, number: u32) -> Result<Option<Past>, ReplayError> {
+    let mission = mission_of(log)?;
+    let mut rover = Autonomy::new(mission.spec)?;
+    let mut achieved = Vec::new();
+    for entry in &log.entries {
+        match entry {
+            Entry::Observation(logged) => rover.observe(&Observation::try_from(logged)?)?,
+            Entry::Outcome(logged) => rover.report(&Outcome::try_from(logged)?)?,
+            Entry::Decision(_) => {
+                let decision = rover.decide()?;
+                if decision.number == number {
+                    return Ok(rover.maps().cloned().map(|maps| Past { decision, maps, achieved }));
+                }
+                let done = decision.verdicts.iter().filter(|v| v.action == Action::Achieve);
+                achieved.extend(done.map(|v| (v.goal.target, v.goal.id.to_string())));
+            }
+        }
+    }
+    Ok(None)
+}
+
+/// The causal links of the sequence that a decision chose, in the DOT language.
+///
+/// # Errors
+/// [`ReplayError`] as [`derive_at`], or if the sequence is no valid STRIPS plan.
+pub fn causal_dot(log: &LogReader, number: u32) -> Result<String, ReplayError> {
+    let mission = mission_of(log)?;
+    let Some(past) = derive_at(log, number)? else {
+        return Err(
+            LogError::NoMap { topic: crate::topic::DECISION.into(), decision: number }.into()
+        );
+    };
+    let goals = &past.decision.manager_after.goals;
+    let directive_of = |id: GoalId| mission.spec.directives[goals[&id].directive].clone();
+    let facts = past.decision.state.facts;
+    let sequence = &past.decision.plan().sequence;
+    Ok(CausalGraph::new(sequence, &mission.spec.domain, facts, directive_of)?.dot())
+}

@@ -1,0 +1,303 @@
+//! What viewers know how to show: Foxglove's well-known messages, made from ours.
+//!
+//! Coordinates are metres east (x) and north (y) of the grid's south-west corner. Everything lies at z = 0,
+//! because viewers draw a `foxglove.Grid` flat: goals at their elevations would hang kilometres off the map.
+
+use std::f64::consts::FRAC_PI_2;
+
+use foxglove::messages::{
+    Color, FrameTransform, Grid, LinePrimitive, Log, PackedElementField, Point3, Pose, PoseInFrame,
+    Quaternion, SceneEntity, SceneUpdate, SpherePrimitive, TextPrimitive, Timestamp, Vector2,
+    Vector3, line_primitive, log, packed_element_field::NumericType,
+};
+use wisdom_autonomy as core;
+use wisdom_goals::{Action, Term, Verdict};
+use wisdom_grid::{Cell, GridSpec, Raster};
+
+/// The frame whose origin is the grid's south-west corner.
+const MAP: &str = "map";
+/// The frame that moves with the rover: x ahead, y to its left.
+const ROVER: &str = "rover";
+/// What a Grid's only field is called.
+const VALUE: &str = "value";
+/// Bytes of one f32.
+const CELL_BYTES: usize = size_of::<f32>();
+
+/// Colours that stay apart for colour-blind eyes (Okabe & Ito 2008).
+const ORANGE: Color = Color { r: 0.90, g: 0.62, b: 0.0, a: 1.0 };
+const SKY: Color = Color { r: 0.34, g: 0.71, b: 0.91, a: 1.0 };
+const GREEN: Color = Color { r: 0.0, g: 0.62, b: 0.45, a: 1.0 };
+const GREY: Color = Color { r: 0.5, g: 0.5, b: 0.5, a: 0.6 };
+const VERMILION: Color = Color { r: 0.84, g: 0.37, b: 0.0, a: 1.0 };
+const BLUE: Color = Color { r: 0.0, g: 0.45, b: 0.70, a: 1.0 };
+
+const UPRIGHT: Quaternion = Quaternion { x: 0.0, y: 0.0, z: 0.0, w: 1.0 };
+
+/// Nanoseconds of mission time as a Foxglove time stamp.
+pub(crate) fn timestamp(stamp_ns: u64) -> Timestamp {
+    const SECOND_NS: u64 = 1_000_000_000;
+    let seconds = u32::try_from(stamp_ns / SECOND_NS).unwrap_or(u32::MAX);
+    Timestamp::new(seconds, (stamp_ns % SECOND_NS) as u32)
+}
+
+/// A map plane. Foxglove's rows begin in the south, ours in the north, so the rows are flipped.
+pub(crate) fn grid(stamp_ns: u64, plane: &Raster<f32>) -> Grid {
+    let spec = plane.spec();
+    let data: Vec<u8> = (0..spec.rows())
+        .rev()
+        .flat_map(|row| plane.row(row).iter().flat_map(|value| value.to_le_bytes()))
+        .collect();
+    Grid {
+        timestamp: Some(timestamp(stamp_ns)),
+        frame_id: MAP.to_owned(),
+        pose: Some(Pose {
+            position: Some(Vector3 { x: 0.0, y: 0.0, z: 0.0 }),
+            orientation: Some(UPRIGHT),
+        }),
+        column_count: spec.cols() as u32,
+        cell_size: Some(Vector2 { x: spec.spacing_m(), y: spec.spacing_m() }),
+        row_stride: (spec.cols() * CELL_BYTES) as u32,
+        cell_stride: CELL_BYTES as u32,
+        fields: vec![PackedElementField {
+            name: VALUE.to_owned(),
+            offset: 0,
+            r#type: NumericType::Float32 as i32,
+        }],
+        data: data.into(),
+    }
+}
+
+/// The plane that [`grid`] made a message of, or what is wrong with the message.
+pub(crate) fn plane(grid: &Grid) -> Result<Raster<f32>, (&'static str, String, &'static str)> {
+    let cols = grid.column_count as usize;
+    let layout = (grid.row_stride as usize, grid.cell_stride as usize, grid.fields.as_slice());
+    let field = match layout {
+        (row, CELL_BYTES, [field]) if row == cols * CELL_BYTES && row > 0 => field,
+        _ => {
+            let found = format!(
+                "{} fields, {} bytes a cell, {} a row of {cols} cells",
+                grid.fields.len(),
+                grid.cell_stride,
+                grid.row_stride
+            );
+            return Err(("fields", found, "one f32 field, without gaps"));
+        }
+    };
+    if field.r#type != NumericType::Float32 as i32 {
+        return Err(("fields[0].type", field.r#type.to_string(), "7, which is f32"));
+    }
+    let row_bytes = cols * CELL_BYTES;
+    if !grid.data.len().is_multiple_of(row_bytes) {
+        let found = format!("{} bytes", grid.data.len());
+        return Err(("data", found, "whole rows"));
+    }
+    let spacing_m = grid.cell_size.as_ref().map_or(0.0, |size| size.x);
+    let spec = GridSpec::new(grid.data.len() / row_bytes, cols, spacing_m)
+        .map_err(|error| ("cell_size", error.to_string(), "a grid"))?;
+    let values = grid
+        .data
+        .chunks_exact(row_bytes)
+        .rev()
+        .flat_map(|row| row.chunks_exact(CELL_BYTES))
+        .map(|bytes| f32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]))
+        .collect();
+    Raster::from_vec(spec, values).map_err(|error| ("data", error.to_string(), "rows x columns"))
+}
+
+/// A cell's centre in metres from the south-west corner.
+fn centre(spec: GridSpec, cell: Cell) -> Vector3 {
+    let (x, y) = spec.centre_m(cell);
+    let south_m = spec.north_m() - spec.rows() as f64 * spec.spacing_m();
+    Vector3 { x: x - spec.west_m(), y: y - south_m, z: 0.0 }
+}
+
+fn place(spec: GridSpec, pose: core::Pose) -> (Vector3, Quaternion) {
+    // Headings turn clockwise from north, yaw turns anticlockwise from east.
+    let half_yaw = (FRAC_PI_2 - pose.heading_rad) / 2.0;
+    (centre(spec, pose.cell), Quaternion { x: 0.0, y: 0.0, z: half_yaw.sin(), w: half_yaw.cos() })
+}
+
+/// Where the rover stands.
+pub(crate) fn pose(stamp_ns: u64, spec: GridSpec, pose: core::Pose) -> PoseInFrame {
+    let (position, orientation) = place(spec, pose);
+    PoseInFrame {
+        timestamp: Some(timestamp(stamp_ns)),
+        frame_id: MAP.to_owned(),
+        pose: Some(Pose { position: Some(position), orientation: Some(orientation) }),
+    }
+}
+
+/// From the map's frame to the rover's.
+pub(crate) fn transform(stamp_ns: u64, spec: GridSpec, pose: core::Pose) -> FrameTransform {
+    let (translation, rotation) = place(spec, pose);
+    FrameTransform {
+        timestamp: Some(timestamp(stamp_ns)),
+        parent_frame_id: MAP.to_owned(),
+        child_frame_id: ROVER.to_owned(),
+        translation: Some(translation),
+        rotation: Some(rotation),
+    }
+}
+
+/// A line of the text log.
+pub(crate) fn log(stamp_ns: u64, level: log::Level, text: &str) -> Log {
+    Log {
+        timestamp: Some(timestamp(stamp_ns)),
+        level: level as i32,
+        message: text.to_owned(),
+        name: "wisdom".to_owned(),
+        file: String::new(),
+        line: 0,
+    }
+}
+
+/// What a goal looks like after a deliberation.
+fn colour(verdict: &Verdict) -> Color {
+    match verdict.action {
+        Action::Achieve => GREEN,
+        Action::Drop => GREY,
+        Action::Defer => SKY,
+        Action::Add | Action::Keep | Action::Modify | Action::Reorder => ORANGE,
+    }
+}
+
+/// A verdict in a line: what was done with the goal, why, and the numbers compared.
+pub(crate) fn sentence(verdict: &Verdict) -> String {
+    let other = verdict.other.map(|other| format!(" ({other})")).unwrap_or_default();
+    let term = |term: &Term| match term.limit {
+        Some(limit) => format!(", {} {:.4} against {limit:.4}", term.name, term.value),
+        None => format!(", {} {:.4}", term.name, term.value),
+    };
+    let terms: String = verdict.terms.iter().map(term).collect();
+    format!("{} {}: {}{other}{terms}", verdict.goal.id, verdict.action, verdict.reason)
+}
+
+fn entity(stamp_ns: u64, id: String) -> SceneEntity {
+    SceneEntity {
+        timestamp: Some(timestamp(stamp_ns)),
+        frame_id: MAP.to_owned(),
+        id,
+        ..SceneEntity::default()
+    }
+}
+
+fn goal(stamp_ns: u64, spec: GridSpec, verdict: &Verdict) -> SceneEntity {
+    let position = centre(spec, verdict.goal.target);
+    let pose = Pose { position: Some(position), orientation: Some(UPRIGHT) };
+    let size = 2.0 * spec.spacing_m();
+    let label = match verdict.turn {
+        Some(turn) => format!("{} turn {turn}, prize {:.3}", verdict.goal.id, verdict.goal.prize),
+        None => format!("{} {}: {}", verdict.goal.id, verdict.action, verdict.reason),
+    };
+    SceneEntity {
+        spheres: vec![SpherePrimitive {
+            pose: Some(pose),
+            size: Some(Vector3 { x: size, y: size, z: size }),
+            color: Some(colour(verdict)),
+        }],
+        texts: vec![TextPrimitive {
+            pose: Some(pose),
+            billboard: true,
+            font_size: 14.0,
+            scale_invariant: true,
+            color: Some(colour(verdict)),
+            text: label,
+        }],
+        ..entity(stamp_ns, format!("goal/{}", verdict.goal.id))
+    }
+}
+
+/// A line through cells; an entity without a line, which clears the last one, if there are fewer than two.
+fn line(stamp_ns: u64, spec: GridSpec, id: &str, cells: &[Cell], color: Color) -> SceneEntity {
+    let point = |&cell: &Cell| {
+        let Vector3 { x, y, z } = centre(spec, cell);
+        Point3 { x, y, z }
+    };
+    let strip = LinePrimitive {
+        r#type: line_primitive::Type::LineStrip as i32,
+        pose: Some(Pose {
+            position: Some(Vector3 { x: 0.0, y: 0.0, z: 0.0 }),
+            orientation: Some(UPRIGHT),
+        }),
+        thickness: 3.0,
+        scale_invariant: true,
+        points: cells.iter().map(point).collect(),
+        color: Some(color),
+        colors: Vec::new(),
+        indices: Vec::new(),
+    };
+    SceneEntity {
+        lines: if cells.len() > 1 { vec![strip] } else { Vec::new() },
+        ..entity(stamp_ns, id.to_owned())
+    }
+}
+
+/// The cells that a decision means to drive: its whole plan, or the way to its vantage or home.
+fn planned(decision: &core::Decision) -> Vec<Cell> {
+    match &decision.act {
+        core::Act::Look { route, .. } | core::Act::Home { route } => route.cells.clone(),
+        core::Act::Pursue(_) => decision
+            .family
+            .get(decision.chosen)
+            .into_iter()
+            .flat_map(|member| &member.plan.legs)
+            .flat_map(|leg| leg.route.cells.iter().copied())
+            .collect(),
+        _ => Vec::new(),
+    }
+}
+
+/// Goals, the planned path and the driven track after a decision. Goals that ended keep their last colour.
+pub(crate) fn scene(
+    stamp_ns: u64,
+    spec: GridSpec,
+    decision: &core::Decision,
+    track: &[Cell],
+) -> SceneUpdate {
+    let mut entities: Vec<SceneEntity> =
+        decision.verdicts.iter().map(|verdict| goal(stamp_ns, spec, verdict)).collect();
+    entities.push(line(stamp_ns, spec, "path", &planned(decision), VERMILION));
+    entities.push(line(stamp_ns, spec, "track", track, BLUE));
+    SceneUpdate { deletions: Vec::new(), entities }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_first_row_of_a_foxglove_grid_is_the_south() {
+        let spec = GridSpec::new(2, 2, 0.5).unwrap();
+        let map = Raster::from_vec(spec, vec![1.0, 2.0, 3.0, 4.0]).unwrap();
+        let message = grid(0, &map);
+        assert_eq!(message.data[..4], 3.0_f32.to_le_bytes());
+        assert_eq!(plane(&message).unwrap(), map);
+    }
+
+    #[test]
+    fn a_grid_that_is_not_ours_is_refused_by_field() {
+        let spec = GridSpec::new(2, 2, 0.5).unwrap();
+        let whole = grid(0, &Raster::filled(spec, 1.0));
+        let cut = Grid { data: whole.data.slice(..9), ..whole.clone() };
+        let wide = Grid { column_count: 0, row_stride: 0, ..whole.clone() };
+        let flat = Grid { cell_size: None, ..whole.clone() };
+        let told = [cut, wide, flat].map(|grid| plane(&grid).unwrap_err().0);
+        assert_eq!(told, ["data", "fields", "cell_size"]);
+    }
+
+    #[test]
+    fn the_south_west_cell_lies_half_a_cell_from_the_origin_wherever_the_grid_is() {
+        let spec = GridSpec::new(3, 4, 2.0).unwrap().at(1000.0, -500.0);
+        let Vector3 { x, y, z } = centre(spec, Cell::new(2, 0));
+        assert_eq!((x, y, z), (1.0, 1.0, 0.0));
+    }
+
+    #[test]
+    fn a_rover_that_faces_east_is_not_turned() {
+        let spec = GridSpec::new(3, 3, 1.0).unwrap();
+        let turn = |heading_rad| place(spec, core::Pose { cell: Cell::new(1, 1), heading_rad }).1;
+        assert_eq!(turn(FRAC_PI_2), UPRIGHT);
+        // North is a quarter turn to the left of east.
+        assert!((turn(0.0).z - (FRAC_PI_2 / 2.0).sin()).abs() < 1e-15);
+    }
+}
