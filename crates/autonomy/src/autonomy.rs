@@ -225,7 +225,7 @@ impl Autonomy {
         self.manager.give_up_unreachable(&poses, &survey, &mut revision);
         let shortlist = self.manager.shortlist(&poses);
         let (nodes, nodes_of) = nodes(self.pose.cell, &shortlist, &poses);
-        let travel = travel_matrix(&maps.ground, &nodes, drive);
+        let travel = travel_matrix(&maps.ground, &nodes, DriveLimits::NONE);
         let candidates = self.manager.candidates(&shortlist, &nodes_of);
         let directives = self.manager.directives().to_vec();
         let problem = Problem {
@@ -368,6 +368,7 @@ impl Autonomy {
             site.prominence >= extraction.min_prominence
                 && (site.prize >= least || least.is_infinite())
                 && !known(site.peak)
+                && self.manager.explained_by(site, spacing).is_none()
                 && self.wanted(maps, site.peak)
         });
         if let Some(site) = new {

@@ -206,9 +206,9 @@ fn rocks(look: &Look, expected: &Expected) -> Vec<Check> {
         let (in_sight, hidden) = look.border(rock, limits.border_gradient);
         let (seen, unseen) = (look.mean_belief(&in_sight), look.mean_belief(&hidden));
         let least_seen = Against::Above(limits.in_sight_mean_above);
-        check(format!("{name}: mean Bel(I) in sight, {} cells", in_sight.len()), seen, least_seen);
+        check(format!("{name}: mean Bel(I) in sight"), seen, least_seen);
         let most_unseen = Against::Below(limits.hidden_mean_below);
-        check(format!("{name}: mean Bel(I) hidden, {} cells", hidden.len()), unseen, most_unseen);
+        check(format!("{name}: mean Bel(I) hidden"), unseen, most_unseen);
         let noticeable = limits.noticeable.contains(name);
         let drop = if noticeable { limits.noticeable_drop_above } else { limits.drop_above };
         check(format!("{name}: drop from one to the other"), seen - unseen, Against::Above(drop));
