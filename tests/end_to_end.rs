@@ -192,7 +192,7 @@ struct Rewrite<'a> {
     observation: &'a mut dyn FnMut(&mut record::Observation),
 }
 
-fn rewrite(bytes: &[u8], edit: Rewrite<'_>) -> Vec<u8> {
+fn rewrite(bytes: &[u8], edit: &mut Rewrite<'_>) -> Vec<u8> {
     let mut out = std::io::Cursor::new(Vec::new());
     let mut writer = mcap::Writer::new(&mut out).expect("a writer");
     let mut observations = 0u16;
@@ -311,7 +311,7 @@ fn a_changed_reading_under_a_chosen_goal_is_found_at_its_decision() {
     let mut changed = 0;
     let spoiled = rewrite(
         &bytes,
-        Rewrite {
+        &mut Rewrite {
             metadata: &mut |_, _| {},
             attachment: &mut |_, _| {},
             observation: &mut |observation| {
@@ -362,10 +362,10 @@ fn a_table_mass_changed_by_a_millionth_is_found_at_the_masses() {
         files.insert(name.to_owned(), data);
     }
     let mission = wisdom_mission::Mission::from_files(&files).expect("still a mission");
-    let digest: String = mission.digest.iter().map(|b| format!("{b:02x}")).collect();
+    let digest = mission.digest.iter().fold(String::new(), |hex, byte| format!("{hex}{byte:02x}"));
     let spoiled = rewrite(
         &bytes,
-        Rewrite {
+        &mut Rewrite {
             metadata: &mut |_, metadata| {
                 if let Some(value) = metadata.get_mut("mission_digest") {
                     value.clone_from(&digest);
@@ -385,7 +385,11 @@ fn a_table_mass_changed_by_a_millionth_is_found_at_the_masses() {
     // Rewriting alone changes nothing.
     let same = rewrite(
         &bytes,
-        Rewrite { metadata: &mut |_, _| {}, attachment: &mut |_, _| {}, observation: &mut |_| {} },
+        &mut Rewrite {
+            metadata: &mut |_, _| {},
+            attachment: &mut |_, _| {},
+            observation: &mut |_| {},
+        },
     );
     std::fs::write(&path, same).expect("a copy");
     assert_eq!(verdict_of(&path).0, Some(0));

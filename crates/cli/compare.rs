@@ -4,7 +4,7 @@ use std::io::{IsTerminal, Write};
 use std::process::ExitCode;
 
 use comfy_table::Table;
-use comfy_table::presets::UTF8_HORIZONTAL_ONLY;
+use comfy_table::presets::NOTHING;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::{Value, json};
 use wisdom_mission::{
@@ -181,7 +181,7 @@ fn write_world(
     let places = Places::of(&runs.iter().collect::<Vec<_>>());
     writeln!(out, "{name}, world of seed {seed}: goals reached, in order (same name, same place)")?;
     let mut table = Table::new();
-    table.load_style(UTF8_HORIZONTAL_ONLY);
+    table.load_style(NOTHING);
     let mut header = vec!["stop".to_owned()];
     header.extend(rules.iter().cloned());
     table.set_header(header);
@@ -200,7 +200,7 @@ fn write_world(
     writeln!(out, "P: place (row, col) and its interest on the common ruler\n")?;
 
     let mut table = Table::new();
-    table.load_style(UTF8_HORIZONTAL_ONLY);
+    table.load_style(NOTHING);
     table.set_header([
         "rule",
         "goals",
@@ -279,7 +279,7 @@ fn write_means(
 ) -> std::io::Result<()> {
     writeln!(out, "means over {} worlds", worlds.len())?;
     let mut table = Table::new();
-    table.load_style(UTF8_HORIZONTAL_ONLY);
+    table.load_style(NOTHING);
     table.set_header([
         "rule",
         "goals",

@@ -1,6 +1,10 @@
 //! How the command ends.
 
+use std::io::ErrorKind;
 use std::process::ExitCode;
+
+use wisdom_logbook::{LogError, ReplayError};
+use wisdom_mission::MissionError;
 
 /// The input or the call is wrong: exit code 2.
 #[derive(Debug)]
@@ -25,20 +29,36 @@ pub(crate) const LOSSY: u8 = 3;
 pub(crate) fn report(error: &anyhow::Error) -> ExitCode {
     // A reader that closed the pipe early (`wisdom replay LOG | head`) is no failure of ours.
     let closed = |e: &(dyn std::error::Error + 'static)| {
-        e.downcast_ref::<std::io::Error>()
-            .is_some_and(|e| e.kind() == std::io::ErrorKind::BrokenPipe)
+        e.downcast_ref::<std::io::Error>().is_some_and(|e| e.kind() == ErrorKind::BrokenPipe)
     };
     if error.chain().any(closed) {
         return ExitCode::SUCCESS;
     }
-    if let Some(mission) = error.downcast_ref::<wisdom_mission::MissionError>() {
+    if let Some(mission) = error.downcast_ref::<MissionError>() {
         complain(&mission.to_string());
         return ExitCode::from(BAD_INPUT);
     }
     complain(&format!("error: {error:#}"));
-    let input =
-        error.chain().any(|e| e.is::<InputError>() || e.is::<wisdom_mission::MissionError>());
-    ExitCode::from(if input { BAD_INPUT } else { FAILED })
+    ExitCode::from(if error.chain().any(is_input) { BAD_INPUT } else { FAILED })
+}
+
+/// Whether an error is the fault of what the command was given.
+fn is_input(error: &(dyn std::error::Error + 'static)) -> bool {
+    if let Some(replay) = error.downcast_ref::<ReplayError>() {
+        return match replay {
+            ReplayError::Log(log) => is_input(log),
+            ReplayError::Mission(_) => true,
+            _ => false,
+        };
+    }
+    match error.downcast_ref::<LogError>() {
+        Some(LogError::NotALog { .. } | LogError::Exists { .. }) => true,
+        Some(LogError::Io { source, .. }) => matches!(
+            source.kind(),
+            ErrorKind::NotFound | ErrorKind::IsADirectory | ErrorKind::PermissionDenied
+        ),
+        _ => error.is::<InputError>() || error.is::<MissionError>(),
+    }
 }
 
 #[expect(clippy::print_stderr, reason = "this is where the command speaks of its errors")]

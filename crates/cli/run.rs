@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use comfy_table::Table;
-use comfy_table::presets::UTF8_HORIZONTAL_ONLY;
+use comfy_table::presets::NOTHING;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::{Value, json};
 use wisdom_autonomy::{Decision, Maps, Observation, Outcome};
@@ -231,7 +231,7 @@ fn write_summary(
     )?;
     writeln!(out, "Goals reached, in order")?;
     let mut table = Table::new();
-    table.load_style(UTF8_HORIZONTAL_ONLY);
+    table.load_style(NOTHING);
     table.set_header(["goal", "directive", "row, col", "interest", "prize", "ruler", "at"]);
     for goal in &summary.achieved {
         table.add_row([
@@ -247,7 +247,7 @@ fn write_summary(
     writeln!(out, "{table}")?;
     writeln!(out, "\nWhat was done with goals, and why (keep and defer left out)")?;
     let mut table = Table::new();
-    table.load_style(UTF8_HORIZONTAL_ONLY);
+    table.load_style(NOTHING);
     table.set_header(["action", "reason", "cause", "times", "goals"]);
     for ((action, reason, cause), goals) in told(tally) {
         let mut names: Vec<String> = goals.iter().take(8).map(ToString::to_string).collect();

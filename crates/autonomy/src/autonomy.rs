@@ -179,8 +179,12 @@ impl Autonomy {
                 self.underway = None;
             }
             StepResult::Interrupted(_) => {}
-            StepResult::Arrived | StepResult::Stopped => {
+            StepResult::Arrived => {
                 self.trigger(Trigger::Arrived);
+                self.underway = None;
+            }
+            StepResult::Stopped => {
+                self.trigger(Trigger::Stopped);
                 self.underway = None;
             }
         }
@@ -503,10 +507,14 @@ impl Autonomy {
             return (Act::Pursue(stop.goal), leg.route.cost);
         }
         let fallback = &self.spec.fallback;
+        // Whatever must be true before driving (a stowed arm) is part of the price.
+        let ready = self.spec.domain.expand(self.facts, FactSet::EMPTY).map(|e| e.cost);
         let safe = |route: &Route| {
-            route.cost.reliability() >= limits.min_reliability
-                && route.cost.time_s <= limits.time_s
-                && route.cost.energy_j <= limits.energy_j
+            ready.is_some_and(|ready| {
+                route.cost.reliability() >= limits.min_reliability
+                    && route.cost.time_s + ready.time_s <= limits.time_s
+                    && route.cost.energy_j + ready.energy_j <= limits.energy_j
+            })
         };
         if self.idle_looks < fallback.max_looks
             && let Some((vantage, ignorance)) = self.vantage(maps, reach)

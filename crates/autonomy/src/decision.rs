@@ -66,6 +66,8 @@ pub enum Trigger {
     RouteBlocked(Cell),
     /// A look from a vantage was taken, or home was reached.
     Arrived,
+    /// The drive to a vantage or home ended on the way.
+    Stopped,
 }
 
 impl Trigger {
@@ -82,6 +84,7 @@ impl Trigger {
             Self::Risk { .. } => "risk",
             Self::RouteBlocked(_) => "route-blocked",
             Self::Arrived => "arrived",
+            Self::Stopped => "stopped",
         }
     }
 }
@@ -89,7 +92,7 @@ impl Trigger {
 impl fmt::Display for Trigger {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Start | Self::Arrived => f.write_str(self.name()),
+            Self::Start | Self::Arrived | Self::Stopped => f.write_str(self.name()),
             Self::GoalEnded(goal) | Self::LegFailed(goal) => write!(f, "{} ({goal})", self.name()),
             Self::InterestChanged { goal, before, after } => {
                 write!(f, "{} ({goal}: {before:.3} -> {after:.3})", self.name())

@@ -65,7 +65,7 @@ pub enum StepResult {
     Interrupted(GoalId),
     /// The vantage or home cell was reached.
     Arrived,
-    /// The way to the vantage or home cell was blocked.
+    /// The drive to the vantage or home cell ended on the way.
     Stopped,
 }
 

@@ -60,10 +60,24 @@ pub enum Status {
 }
 
 impl Status {
+    /// Every status.
+    pub const ALL: [Self; 4] = [Self::Formulated, Self::Committed, Self::Achieved, Self::Dropped];
+
     /// Whether the goal can still be pursued.
     #[must_use]
     pub fn is_open(self) -> bool {
         matches!(self, Self::Formulated | Self::Committed)
+    }
+}
+
+impl fmt::Display for Status {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Formulated => "formulated",
+            Self::Committed => "committed",
+            Self::Achieved => "achieved",
+            Self::Dropped => "dropped",
+        })
     }
 }
 
@@ -151,6 +165,8 @@ pub enum Reason {
     Preconditions,
     /// Its interest is gone.
     LostInterest,
+    /// It is as interesting as before, but no longer a maximum.
+    NoMaximum,
     /// Another goal stands for its maximum now.
     Merged,
     /// All its tries failed.
@@ -159,6 +175,34 @@ pub enum Reason {
     Explained,
     /// Its operators were carried out.
     Done,
+}
+
+impl Reason {
+    /// Every reason.
+    pub const ALL: [Self; 22] = [
+        Self::NewMaximum,
+        Self::Reopened,
+        Self::Promoted,
+        Self::Unchanged,
+        Self::PeakMoved,
+        Self::Eroded,
+        Self::BetterOrder,
+        Self::Time,
+        Self::Energy,
+        Self::Data,
+        Self::Risk,
+        Self::Outweighed,
+        Self::Held,
+        Self::BeyondExact,
+        Self::Unreachable,
+        Self::Preconditions,
+        Self::LostInterest,
+        Self::NoMaximum,
+        Self::Merged,
+        Self::AttemptsSpent,
+        Self::Explained,
+        Self::Done,
+    ];
 }
 
 impl fmt::Display for Reason {
@@ -181,6 +225,7 @@ impl fmt::Display for Reason {
             Self::Unreachable => "unreachable",
             Self::Preconditions => "preconditions",
             Self::LostInterest => "lost-interest",
+            Self::NoMaximum => "no-maximum",
             Self::Merged => "merged",
             Self::AttemptsSpent => "attempts-spent",
             Self::Explained => "explained",
@@ -252,4 +297,25 @@ pub struct Verdict {
     pub other: Option<GoalId>,
     /// The numbers compared.
     pub terms: Vec<Term>,
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use super::*;
+
+    /// Records carry names and are read back by searching the lists: a variant that a list forgets would be
+    /// lost. Debug names come from the compiler; every variant up to the last must be there, in order.
+    #[test]
+    fn the_lists_hold_every_variant_once() {
+        let reasons: BTreeSet<String> = Reason::ALL.iter().map(ToString::to_string).collect();
+        assert_eq!(reasons.len(), Reason::ALL.len());
+        assert!(Reason::ALL.iter().enumerate().all(|(i, reason)| *reason as usize == i));
+        assert_eq!(Reason::ALL.last(), Some(&Reason::Done), "Done stays the last variant");
+        assert!(Status::ALL.iter().enumerate().all(|(i, status)| *status as usize == i));
+        assert_eq!(Status::ALL.last(), Some(&Status::Dropped), "Dropped stays the last variant");
+        assert!(Action::ALL.iter().enumerate().all(|(i, action)| *action as usize == i));
+        assert_eq!(Action::ALL.last(), Some(&Action::Achieve), "Achieve stays the last variant");
+    }
 }

@@ -30,7 +30,7 @@ pub struct ManagerSpec {
     pub max_sequenced: usize,
     /// Sequences in the family (default 5).
     pub family: usize,
-    /// Labels that one search may expand.
+    /// Labels that one search may expand (default 50 000).
     pub expansions: u64,
     /// How often a place given up as unreachable or as failed may be tried anew after its ground changed.
     pub max_reopenings: u32,
@@ -44,7 +44,7 @@ impl Default for ManagerSpec {
             identity_radius_m: 8.0,
             max_sequenced: 14,
             family: 5,
-            expansions: 200_000,
+            expansions: 50_000,
             max_reopenings: 1,
         }
     }
@@ -493,7 +493,8 @@ impl GoalManager {
                 Term::against("prize", here, floor),
                 Term::against("interest", f64::from(survey.interest[goal.target]), goal.interest),
             ];
-            self.end(id, Ending::drop(Reason::LostInterest, terms, None), survey, revision);
+            let reason = if here < floor { Reason::LostInterest } else { Reason::NoMaximum };
+            self.end(id, Ending::drop(reason, terms, None), survey, revision);
         }
     }
 

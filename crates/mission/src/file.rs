@@ -242,7 +242,7 @@ impl Default for GoalsFile {
             hysteresis: 0.05,
             identity_radius_m: 8.0,
             family: 5,
-            expansions: 200_000,
+            expansions: 50_000,
             max_reopenings: 1,
         }
     }

@@ -129,17 +129,6 @@ impl From<&core::Outcome> for Outcome {
 /// For a variant that this crate was not told of; reading it back is an error that shows it.
 const UNNAMED: &str = "unnamed";
 
-/// A goal's status, as a record writes it.
-pub(super) fn status(status: goals::Status) -> &'static str {
-    match status {
-        goals::Status::Formulated => "formulated",
-        goals::Status::Committed => "committed",
-        goals::Status::Achieved => "achieved",
-        goals::Status::Dropped => "dropped",
-        _ => UNNAMED,
-    }
-}
-
 fn trigger(trigger: &core::Trigger) -> Trigger {
     use core::Trigger as Why;
     let named = Trigger { name: trigger.name().to_owned(), ..Trigger::default() };
@@ -175,7 +164,7 @@ fn goal(goal: &goals::Goal, setting: &Setting) -> Goal {
         region_cells: goal.region_cells as u32,
         attempts: goal.attempts,
         born: goal.born,
-        status: status(goal.status).to_owned(),
+        status: goal.status.to_string(),
     }
 }
 

@@ -7,34 +7,6 @@ use wisdom_grid as grid;
 use super::{Cell, Goal, LayerWindow, ManagerState, Observation, Outcome, Pose, Retired, Spent};
 use crate::LogError;
 
-/// Every reason a record may name.
-const REASONS: [Reason; 21] = [
-    Reason::NewMaximum,
-    Reason::Reopened,
-    Reason::Promoted,
-    Reason::Unchanged,
-    Reason::PeakMoved,
-    Reason::Eroded,
-    Reason::BetterOrder,
-    Reason::Time,
-    Reason::Energy,
-    Reason::Data,
-    Reason::Risk,
-    Reason::Outweighed,
-    Reason::Held,
-    Reason::BeyondExact,
-    Reason::Unreachable,
-    Reason::Preconditions,
-    Reason::LostInterest,
-    Reason::Merged,
-    Reason::AttemptsSpent,
-    Reason::Explained,
-    Reason::Done,
-];
-
-const STATUSES: [Status; 4] =
-    [Status::Formulated, Status::Committed, Status::Achieved, Status::Dropped];
-
 /// The record being read, to be named if it is malformed.
 struct Reading<'a> {
     kind: &'a str,
@@ -125,7 +97,7 @@ impl Reading<'_> {
     }
 
     fn reason(&self, field: &str, name: &str) -> Result<Reason, LogError> {
-        REASONS
+        Reason::ALL
             .into_iter()
             .find(|reason| reason.to_string() == name)
             .ok_or_else(|| self.malformed(field, &name, "the name of a reason"))
@@ -137,12 +109,10 @@ impl Reading<'_> {
         for (index, &share) in goal.credit.iter().enumerate() {
             finite(&format!("credit[{index}]"), share)?;
         }
-        let status = STATUSES
-            .into_iter()
-            .find(|&status| super::of_domain::status(status) == goal.status)
-            .ok_or_else(|| {
-                self.malformed(&field("status"), &goal.status, "the name of a goal's status")
-            })?;
+        let status =
+            Status::ALL.into_iter().find(|&status| status.to_string() == goal.status).ok_or_else(
+                || self.malformed(&field("status"), &goal.status, "the name of a goal's status"),
+            )?;
         Ok(goals::Goal {
             id: GoalId(goal.id),
             directive: goal.directive as usize,
