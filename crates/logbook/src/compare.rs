@@ -13,12 +13,13 @@ use crate::record::Decision;
 pub const STAGES: [(&str, &str); 13] = [
     ("record", "number"),
     ("record", "decision_version"),
-    ("trigger", "triggers"),
     ("state", "state"),
     ("frame", "frame"),
     ("gradient", "gradient"),
     ("masses", "masses"),
     ("fusion", "fusion"),
+    // Triggers speak of prizes and hazards: they follow from the maps, whatever calls for a decision.
+    ("trigger", "triggers"),
     ("candidates", "candidates"),
     ("routes", "routes"),
     ("objective", "objective"),

@@ -133,7 +133,7 @@ fn numbers_out_of_range_show_the_range() {
         ("range-m = 25.0", "range-m = 0.0", "0.0\nu0", ["instrument.0.range-m", "0.001"]),
         ("sight = 0.2", "sight = nan", "nan", ["prior.uncertainty.elevation", "0 to 1"]),
         ("u = 0.0 }", "u = 2.0 }", "2.0 }", ["prior.pinned.0.u", "0 to 1"]),
-        ("weight = 0.5", "weight = 0.0", "0.0\nachieves = [\"im", ["directive.2.weight", "1000"]),
+        ("weight = 0.3", "weight = 0.0", "0.0\nachieves = [\"im", ["directive.2.weight", "1000"]),
         ("sigma = 0.1", "sigma = -1.0", "-1.0", ["layer.0.sigma", "at least 0"]),
         ("classes = [1, 2, 3, 4]", "classes = [1]", "[1]", ["layer.2.classes", "two"]),
         ("time-s = 600.0", "time-s = -6.0", "-6.0", ["operator.3.time-s", "1000000000"]),
