@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::io::{IsTerminal, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::time::{Duration, Instant};
 
 use comfy_table::Table;
 use comfy_table::presets::NOTHING;
@@ -45,18 +46,31 @@ struct Tally {
     changes: BTreeMap<(Action, Reason, Cause), Vec<GoalId>>,
 }
 
-/// Writes the log and counts changes on the way.
+/// Writes the log, counts changes and times decisions on the way.
 struct Logged<'a> {
     log: &'a mut LogWriter,
     tally: Tally,
+    /// When the latest input was handed over.
+    told: Instant,
+    /// How long each decision took, from its latest input to the choice.
+    deciding: Vec<Duration>,
+}
+
+/// The wall clock: it is shown to people and never reaches a decision or a log.
+#[expect(clippy::disallowed_methods, reason = "timing belongs to the command line")]
+fn now() -> Instant {
+    Instant::now()
 }
 
 impl Recorder for Logged<'_> {
     fn observation(&mut self, observation: &Observation) -> Result<(), RecordError> {
-        Recorder::observation(self.log, observation)
+        Recorder::observation(self.log, observation)?;
+        self.told = now();
+        Ok(())
     }
 
     fn decision(&mut self, decision: &Decision, maps: &Maps) -> Result<(), RecordError> {
+        self.deciding.push(now() - self.told);
         for verdict in &decision.verdicts {
             self.tally
                 .changes
@@ -68,7 +82,24 @@ impl Recorder for Logged<'_> {
     }
 
     fn outcome(&mut self, outcome: &Outcome) -> Result<(), RecordError> {
-        Recorder::outcome(self.log, outcome)
+        Recorder::outcome(self.log, outcome)?;
+        self.told = now();
+        Ok(())
+    }
+}
+
+/// How long decisions took.
+#[derive(Clone, Copy)]
+struct Pace {
+    median_s: f64,
+    max_s: f64,
+}
+
+impl Pace {
+    fn of(mut times: Vec<Duration>) -> Self {
+        times.sort_unstable();
+        let seconds = |time: Option<&Duration>| time.map_or(0.0, Duration::as_secs_f64);
+        Self { median_s: seconds(times.get(times.len() / 2)), max_s: seconds(times.last()) }
     }
 }
 
@@ -84,12 +115,14 @@ pub(crate) fn run(args: &RunArgs) -> anyhow::Result<ExitCode> {
     let mut log = wisdom_logbook::begin(&path, &mission)?;
     let stop = interrupted()?;
     let bar = bar(args, &mission)?;
-    let mut recorder = Logged { log: &mut log, tally: Tally::default() };
+    let mut recorder =
+        Logged { log: &mut log, tally: Tally::default(), told: now(), deciding: Vec::new() };
     let result = wisdom_mission::run(&mission, &mut recorder, &mut |progress| {
         tick(&bar, progress);
         !stop.load(std::sync::atomic::Ordering::Relaxed)
     });
-    let tally = recorder.tally;
+    let Logged { tally, deciding, .. } = recorder;
+    let deciding = Pace::of(deciding);
     bar.finish_and_clear();
     let summary = match result {
         Ok(summary) => {
@@ -109,9 +142,9 @@ pub(crate) fn run(args: &RunArgs) -> anyhow::Result<ExitCode> {
     if !args.quiet {
         let mut out = std::io::stdout().lock();
         if args.json {
-            writeln!(out, "{}", as_json(&mission, &summary, &tally, &path))?;
+            writeln!(out, "{}", as_json(&mission, &summary, &tally, deciding, &path))?;
         } else {
-            write_summary(&mut out, &mission, &summary, &tally, &path)?;
+            write_summary(&mut out, &mission, &summary, &tally, deciding, &path)?;
         }
     }
     Ok(ExitCode::SUCCESS)
@@ -173,7 +206,13 @@ fn told(tally: &Tally) -> impl Iterator<Item = (&(Action, Reason, Cause), &Vec<G
         .filter(|((action, _, _), _)| !matches!(action, Action::Keep | Action::Defer))
 }
 
-fn as_json(mission: &Mission, summary: &RunSummary, tally: &Tally, path: &Path) -> Value {
+fn as_json(
+    mission: &Mission,
+    summary: &RunSummary,
+    tally: &Tally,
+    deciding: Pace,
+    path: &Path,
+) -> Value {
     json!({
         "mission": mission.name,
         "seed": mission.seed,
@@ -198,6 +237,7 @@ fn as_json(mission: &Mission, summary: &RunSummary, tally: &Tally, path: &Path) 
         "data_mb": summary.spent.data_mb,
         "decisions": summary.decisions,
         "observations": summary.observations,
+        "deciding_s": { "median": deciding.median_s, "max": deciding.max_s },
         "legs": legs(summary),
         "log": path.display().to_string(),
     })
@@ -221,6 +261,7 @@ fn write_summary(
     mission: &Mission,
     summary: &RunSummary,
     tally: &Tally,
+    deciding: Pace,
     path: &Path,
 ) -> std::io::Result<()> {
     let spec = &mission.spec;
@@ -298,6 +339,11 @@ fn write_summary(
         summary.decisions,
         summary.reallocations(),
         summary.observations
+    )?;
+    writeln!(
+        out,
+        "deciding        {:.2} s in the median, {:.2} s at most (maps included)",
+        deciding.median_s, deciding.max_s
     )?;
     writeln!(out, "ended           {}", summary.status)?;
     writeln!(out, "log             {}", path.display())
