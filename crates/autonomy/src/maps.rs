@@ -43,7 +43,10 @@ impl Maps {
         let elevation = layers.get(ELEVATION).ok_or(AutonomyError::NoElevation)?.clone();
         for layer in &spec.layers {
             if let Source::Derived(derivation) = layer.source {
-                layers.insert(layer.name.clone(), derive(derivation, spec, &elevation));
+                layers.insert(
+                    layer.name.clone(),
+                    derivation.of(&elevation, spec.vehicle.footprint_radius_m),
+                );
             }
         }
         let evidence = judge(&spec.experts, &layers)?;
@@ -124,14 +127,18 @@ impl Maps {
     }
 }
 
-fn derive(derivation: Derivation, spec: &Spec, elevation: &Layer) -> Layer {
-    match derivation {
-        Derivation::Gradient => gradient(elevation),
-        Derivation::Slope => slope(elevation),
-        Derivation::Step => step(elevation),
-        Derivation::Roughness => {
-            let radius = (spec.vehicle.footprint_radius_m / spec.grid.spacing_m()).round().max(1.0);
-            roughness(elevation, radius as usize)
+impl Derivation {
+    /// The layer, derived from elevation for a vehicle that stands on `footprint_radius_m`.
+    #[must_use]
+    pub fn of(self, elevation: &Layer, footprint_radius_m: f64) -> Layer {
+        match self {
+            Self::Gradient => gradient(elevation),
+            Self::Slope => slope(elevation),
+            Self::Step => step(elevation),
+            Self::Roughness => {
+                let cells = (footprint_radius_m / elevation.spec().spacing_m()).round().max(1.0);
+                roughness(elevation, cells as usize)
+            }
         }
     }
 }

@@ -2,11 +2,11 @@
 
 use std::collections::BTreeMap;
 
-use wisdom_autonomy::{Derivation, ELEVATION, Source};
+use wisdom_autonomy::{ELEVATION, Source};
 use wisdom_belief::Rule;
 use wisdom_fusion::{Fusion, Statistic, interest_map, judge};
 use wisdom_grid::{Cell, Raster};
-use wisdom_terrain::{Layer, gradient, roughness, slope, step};
+use wisdom_terrain::Layer;
 
 use crate::Mission;
 
@@ -29,12 +29,8 @@ impl Ruler {
                 Source::Measured(_) => {
                     mission.world.truth(&layer.name).expect("measured layers have a truth").clone()
                 }
-                Source::Derived(Derivation::Gradient) => gradient(elevation),
-                Source::Derived(Derivation::Slope) => slope(elevation),
-                Source::Derived(Derivation::Step) => step(elevation),
-                Source::Derived(_) => {
-                    let radius = spec.vehicle.footprint_radius_m / spec.grid.spacing_m();
-                    roughness(elevation, radius.round().max(1.0) as usize)
+                Source::Derived(derivation) => {
+                    derivation.of(elevation, spec.vehicle.footprint_radius_m)
                 }
             };
             layers.insert(layer.name.clone(), values);
