@@ -1,5 +1,4 @@
-//! Old logs stay readable: the committed sample is read and checked by every later version, and decided again
-//! by those whose decisions mean the same.
+//! Later versions must still read the committed sample log; those whose decisions mean the same decide it again.
 
 use std::path::Path;
 
@@ -13,7 +12,7 @@ fn the_sample_log_reads_back_whole() {
     assert_eq!(log.metadata["mission"], "paper");
     let end = log.end.as_ref().expect("the run ended");
     assert_eq!(end.decisions as usize, log.decisions().count());
-    assert!(log.decisions().count() >= 5);
+    assert!(log.decisions().count() >= 3);
     let unknown: Vec<_> = log.unknown_topics().collect();
     assert!(unknown.is_empty(), "{unknown:?}");
     let interest = log.map("/map/interest", 0).expect("a map");
@@ -21,7 +20,11 @@ fn the_sample_log_reads_back_whole() {
 
     let versions: Vec<u32> = log.decisions().map(|d| d.decision_version).collect();
     if versions.iter().all(|v| *v == record::DECISION_VERSION) {
-        let verified = wisdom_logbook::verify(&path, &mut |_| {}).expect("the mission inside loads");
-        assert_eq!(verified.difference, None, "decisions changed: raise DECISION_VERSION and say why");
+        let verified =
+            wisdom_logbook::verify(&path, &mut |_| {}).expect("the mission inside loads");
+        assert_eq!(
+            verified.difference, None,
+            "decisions changed: raise DECISION_VERSION and say why"
+        );
     }
 }

@@ -63,8 +63,10 @@ pub(crate) fn run(args: &CompareArgs) -> anyhow::Result<ExitCode> {
     let mut missions = Vec::new();
     for seed in &seeds {
         for rule in &args.rules {
-            let overrides =
-                [Override::new("seed", seed.to_string()), Override::new("rule", quoted(rule))];
+            let overrides = [
+                Override::new("seed", seed.to_string()),
+                Override::new("rule", quoted(rule.trim())),
+            ];
             missions.push(args.mission.load(&overrides)?);
         }
     }
@@ -103,11 +105,6 @@ pub(crate) fn run(args: &CompareArgs) -> anyhow::Result<ExitCode> {
 
 fn worlds_of(runs: &[CampaignRun], rule: usize, rules: usize) -> Vec<&CampaignRun> {
     runs.iter().skip(rule).step_by(rules).collect()
-}
-
-/// Chance that every leg driven to its end would succeed, as predicted.
-fn reliability(run: &CampaignRun) -> f64 {
-    run.summary.legs.iter().filter(|l| l.arrived == Some(true)).map(|l| l.predicted).product()
 }
 
 /// One run held against the first of its world.
@@ -150,7 +147,7 @@ fn world_json(seed: u64, rules: &[String], runs: &[CampaignRun]) -> Value {
                 "distance_m": s.spent.length_m,
                 "time_s": s.spent.time_s,
                 "energy_j": s.spent.energy_j,
-                "reliability": reliability(run),
+                "reliability": run.summary.reliability(),
                 "decisions": s.decisions,
                 "reallocations": s.reallocations(),
                 "against_first": {
@@ -224,7 +221,7 @@ fn write_world(
             format!("{:.3}", s.interest()),
             format!("{:.3}", s.ruler()),
             format!("{:.0}", s.spent.length_m),
-            format!("{:.3}", reliability(run)),
+            format!("{:.3}", run.summary.reliability()),
             s.reallocations().to_string(),
             format!("{:.2}", held.jaccard),
             held.tau.map_or_else(dash, |t| format!("{t:.2}")),

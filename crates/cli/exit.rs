@@ -3,7 +3,7 @@
 use std::io::ErrorKind;
 use std::process::ExitCode;
 
-use wisdom_logbook::{LogError, ReplayError};
+use wisdom_logbook::{LogError, LogReader, ReplayError, Status};
 use wisdom_mission::MissionError;
 
 /// The input or the call is wrong: exit code 2.
@@ -25,6 +25,37 @@ pub(crate) const BAD_INPUT: u8 = 2;
 /// Done, but something was lost.
 pub(crate) const LOSSY: u8 = 3;
 
+/// The exit code of a command that told what a log holds: a log that is not whole says so, in words and in
+/// the code.
+pub(crate) fn of_log(log: &LogReader) -> ExitCode {
+    match &log.status {
+        Status::Complete => ExitCode::SUCCESS,
+        status @ Status::Truncated { .. } => {
+            complain(&format!("remark: the log is {status}"));
+            ExitCode::from(LOSSY)
+        }
+        status @ Status::Corrupt { .. } => {
+            complain(&format!("error: the log is {status}"));
+            ExitCode::from(FAILED)
+        }
+    }
+}
+
+/// An error and its causes, each said once: many of our messages hold their cause already.
+fn told(error: &anyhow::Error) -> String {
+    let mut text = String::new();
+    for cause in error.chain() {
+        let cause = cause.to_string();
+        if !text.contains(&cause) {
+            if !text.is_empty() {
+                text.push_str(": ");
+            }
+            text.push_str(&cause);
+        }
+    }
+    text
+}
+
 /// Prints an error and tells its exit code.
 pub(crate) fn report(error: &anyhow::Error) -> ExitCode {
     // A reader that closed the pipe early (`wisdom replay LOG | head`) is no failure of ours.
@@ -38,7 +69,7 @@ pub(crate) fn report(error: &anyhow::Error) -> ExitCode {
         complain(&mission.to_string());
         return ExitCode::from(BAD_INPUT);
     }
-    complain(&format!("error: {error:#}"));
+    complain(&format!("error: {}", told(error)));
     ExitCode::from(if error.chain().any(is_input) { BAD_INPUT } else { FAILED })
 }
 
@@ -55,7 +86,11 @@ fn is_input(error: &(dyn std::error::Error + 'static)) -> bool {
         Some(LogError::NotALog { .. } | LogError::Exists { .. }) => true,
         Some(LogError::Io { source, .. }) => matches!(
             source.kind(),
-            ErrorKind::NotFound | ErrorKind::IsADirectory | ErrorKind::PermissionDenied
+            ErrorKind::NotFound
+                | ErrorKind::IsADirectory
+                | ErrorKind::InvalidInput
+                | ErrorKind::PermissionDenied
+                | ErrorKind::ReadOnlyFilesystem
         ),
         _ => error.is::<InputError>() || error.is::<MissionError>(),
     }

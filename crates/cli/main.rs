@@ -15,11 +15,10 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 
-/// An autonomy core for a planetary rover: evidence to interest, interest to goals, goals to driven plans,
-/// every decision logged.
+/// Run, replay, verify and compare missions of a planetary rover that chooses its own goals.
 ///
-/// Exit codes: 0 done, 1 the run or check failed, 2 the input or the call is wrong, 3 done but something was
-/// lost.
+/// Exit codes: 0 all went well; 1 a run or a check failed; 2 a mistake in what was given; 3 the log at hand is
+/// not complete.
 #[derive(Parser, Debug)]
 #[command(name = "wisdom", version, max_term_width = 100)]
 struct Cli {

@@ -26,7 +26,12 @@ impl MissionArgs {
             let (key, value) = change.split_once('=').ok_or_else(|| {
                 MissionError::of_file("--set", format!("`{change}`; expected KEY=VALUE"))
             })?;
-            overrides.push(Override::new(key.trim(), value.trim()));
+            let key = key.trim();
+            if overrides.iter().any(|o| o.key == key) {
+                let message = format!("`{change}`: `{key}` is given twice");
+                return Err(MissionError::of_file("--set", message));
+            }
+            overrides.push(Override::new(key, value.trim()));
         }
         Mission::load(&self.mission, &overrides)
     }

@@ -5,9 +5,9 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use wisdom_logbook::record::{self, Decision, Goal, Outcome, Sequence, Trigger, Verdict};
-use wisdom_logbook::{Entry, LogReader, Status};
+use wisdom_logbook::{Entry, LogReader};
 
-use crate::exit::{InputError, LOSSY};
+use crate::exit::InputError;
 use crate::run::clock;
 
 /// Tell a logged mission as a story, decision by decision.
@@ -41,7 +41,7 @@ pub(crate) fn run(args: &ReplayArgs) -> anyhow::Result<ExitCode> {
         if args.dot {
             let dot = wisdom_logbook::causal_dot(&log, wanted)?;
             writeln!(out, "{dot}")?;
-            return Ok(ExitCode::SUCCESS);
+            return Ok(crate::exit::of_log(&log));
         }
     }
     if args.json {
@@ -49,17 +49,15 @@ pub(crate) fn run(args: &ReplayArgs) -> anyhow::Result<ExitCode> {
             writeln!(out, "{}", serde_json::to_string(decision)?)?;
         }
         out.flush()?;
-        return Ok(status(&log));
+        return Ok(crate::exit::of_log(&log));
     }
     if args.decision.is_none() {
         headline(&mut out, &log)?;
     }
-    let mut ends: Vec<&Outcome> = Vec::new();
     for entry in &log.entries {
         match entry {
             Entry::Observation(_) => {}
             Entry::Outcome(outcome) => {
-                ends.push(outcome);
                 if args.decision.is_none_or(|n| n == outcome.decision) {
                     tell_outcome(&mut out, outcome)?;
                 }
@@ -75,15 +73,7 @@ pub(crate) fn run(args: &ReplayArgs) -> anyhow::Result<ExitCode> {
         ending(&mut out, &log)?;
     }
     out.flush()?;
-    Ok(status(&log))
-}
-
-/// A truncated log is told as far as it goes, and the exit code says so.
-fn status(log: &LogReader) -> ExitCode {
-    match log.status {
-        Status::Complete => ExitCode::SUCCESS,
-        _ => ExitCode::from(LOSSY),
-    }
+    Ok(crate::exit::of_log(&log))
 }
 
 fn headline(out: &mut dyn Write, log: &LogReader) -> std::io::Result<()> {
@@ -104,7 +94,7 @@ fn ending(out: &mut dyn Write, log: &LogReader) -> std::io::Result<()> {
         Some(end) => {
             writeln!(out, "\nThe run ended: {}, after {} decisions.", end.status, end.decisions)
         }
-        None => writeln!(out, "\nThe log has no end: the run was cut off. Log: {}.", log.status),
+        None => writeln!(out, "\nThe log has no end record. Log: {}.", log.status),
     }
 }
 

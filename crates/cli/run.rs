@@ -231,6 +231,7 @@ fn as_json(
         "reallocations": summary.reallocations(),
         "interest_own_map": summary.interest(),
         "interest_ruler": summary.ruler(),
+        "reliability": summary.reliability(),
         "distance_m": summary.spent.length_m,
         "time_s": summary.spent.time_s,
         "energy_j": summary.spent.energy_j,
@@ -246,7 +247,7 @@ fn as_json(
 fn legs(summary: &RunSummary) -> Value {
     let ended = summary.legs.iter().filter(|l| l.arrived.is_some());
     let arrived = summary.legs.iter().filter(|l| l.arrived == Some(true)).count();
-    let predicted: f64 = ended.clone().map(|l| l.predicted).sum();
+    let predicted = ended.clone().fold(0.0, |sum, l| sum + l.predicted);
     json!({
         "driven": summary.legs.len(),
         "ended": ended.count(),
@@ -325,13 +326,19 @@ fn write_summary(
     writeln!(out)?;
     writeln!(
         out,
-        "spent           {:.0} m, {} of {}, {:.2} of {:.2} MJ, {:.0} MB",
+        "spent           {:.0} m, {} of {}, {:.2} of {:.2} MJ, {:.0} of {:.0} MB",
         spent.length_m,
         clock(spent.time_s),
         clock(spec.budget.time_s),
         spent.energy_j / 1e6,
         (spec.budget.energy_j - spec.budget.reserve_j) / 1e6,
-        spent.data_mb
+        spent.data_mb,
+        spec.budget.data_mb
+    )?;
+    writeln!(
+        out,
+        "reliability     {:.4} over all steps driven, by the true hazards",
+        summary.reliability()
     )?;
     writeln!(
         out,
@@ -342,7 +349,7 @@ fn write_summary(
     )?;
     writeln!(
         out,
-        "deciding        {:.2} s in the median, {:.2} s at most (maps included)",
+        "deciding        {:.2} s in the median, {:.2} s at most",
         deciding.median_s, deciding.max_s
     )?;
     writeln!(out, "ended           {}", summary.status)?;

@@ -1,7 +1,7 @@
 //! `wisdom show`: a map of a logged decision, drawn.
 
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use wisdom_autonomy::{Act, Decision, ELEVATION, Maps};
@@ -38,8 +38,25 @@ struct Plane {
     known: Option<Raster<bool>>,
 }
 
+/// Whether a picture may go there: a name that ends in `.png`, and nothing there but an older picture.
+fn check_output(path: &Path) -> Result<(), InputError> {
+    let refuse = |why: &str| Err(InputError(format!("-o {}: {why}", path.display())));
+    if !path.extension().is_some_and(|e| e.eq_ignore_ascii_case("png")) {
+        return refuse("a picture's name ends in .png");
+    }
+    match std::fs::read(path) {
+        Ok(bytes) if !bytes.starts_with(b"\x89PNG") => {
+            refuse("is there already, and is no picture")
+        }
+        _ => Ok(()),
+    }
+}
+
 pub(crate) fn run(args: &ShowArgs) -> anyhow::Result<ExitCode> {
+    check_output(&args.output)?;
     let log = LogReader::open(&args.log)?;
+    let mission = wisdom_logbook::mission_of(&log)?;
+    check_layer(&mission, &args.layer)?;
     let count = log.decisions().count();
     let number = match args.decision {
         Some(number) => number,
@@ -76,7 +93,24 @@ pub(crate) fn run(args: &ShowArgs) -> anyhow::Result<ExitCode> {
     figure.save(&args.output)?;
     let mut out = std::io::stdout().lock();
     writeln!(out, "{}", args.output.display())?;
-    Ok(ExitCode::SUCCESS)
+    Ok(crate::exit::of_log(&log))
+}
+
+/// Planes that every mission has.
+const PLANES: [&str; 8] =
+    ["interest", "ignorance", "paradox", "conflict", "contradiction", "prize", "hazard", "blocked"];
+
+/// Refuses a layer that the mission does not have, before anything is derived.
+fn check_layer(mission: &wisdom_mission::Mission, name: &str) -> Result<(), InputError> {
+    let layers: Vec<&str> = mission.spec.layers.iter().map(|l| l.name.as_str()).collect();
+    let bare = name.strip_suffix("-u").unwrap_or(name);
+    if PLANES.contains(&name) || layers.contains(&name) || layers.contains(&bare) {
+        return Ok(());
+    }
+    let list = PLANES.iter().chain(&layers).copied().collect::<Vec<_>>().join(", ");
+    Err(InputError(format!(
+        "--layer {name}: the log has {list} (and NAME-u for a layer's uncertainty)"
+    )))
 }
 
 fn plane(maps: &Maps, name: &str) -> Result<Plane, InputError> {
@@ -116,21 +150,7 @@ fn plane(maps: &Maps, name: &str) -> Result<Plane, InputError> {
             } else if let Some(found) = name.strip_suffix("-u").and_then(layer) {
                 unit(found.uncertainty(), "u")
             } else {
-                let mut known: Vec<&str> = vec![
-                    "interest",
-                    "ignorance",
-                    "paradox",
-                    "conflict",
-                    "contradiction",
-                    "prize",
-                    "hazard",
-                    "blocked",
-                ];
-                known.extend(maps.layers.keys().map(String::as_str));
-                let list = known.join(", ");
-                return Err(InputError(format!(
-                    "--layer {name}: the log has {list} (and NAME-u for a layer's uncertainty)"
-                )));
+                return Err(InputError(format!("--layer {name}: not among the derived maps")));
             }
         }
     })
@@ -178,16 +198,17 @@ fn overlays<'a>(
         }
     }
     let markers = |name: &str, shape, ink, at| Markers { name: name.into(), shape, ink, at };
-    let mut figure = figure
-        .track(Track {
-            name: "driven".into(),
-            cells: driven,
-            stroke: Stroke::Solid,
-            ink: Ink::White,
-        })
+    let mut figure = figure;
+    if driven.len() > 1 {
+        let (name, stroke, ink) = ("driven".to_owned(), Stroke::Solid, Ink::White);
+        figure = figure.track(Track { name, cells: driven, stroke, ink });
+    }
+    if !reached.is_empty() {
+        figure = figure.markers(markers("achieved", Shape::Square, Ink::Purple, reached));
+    }
+    figure = figure
         .markers(markers("deferred", Shape::Circle, Ink::SkyBlue, known))
         .markers(markers("in the sequence", Shape::Star, Ink::Orange, chosen))
-        .markers(markers("achieved", Shape::Square, Ink::Purple, reached))
         .markers(markers(
             "rover",
             Shape::Triangle,

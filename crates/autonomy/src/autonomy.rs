@@ -217,14 +217,16 @@ impl Autonomy {
             paradox: &maps.interest.paradox,
             credit: &credit_at,
             ground: &ground_at,
+            stand: self.pose.cell,
             map_changed,
         };
         let mut revision = self.manager.revise(&survey);
 
         let limits = self.limits();
-        let drive = DriveLimits { max_time_s: limits.time_s, max_energy_j: limits.energy_j };
-        let reach =
-            field(&maps.ground, self.pose.cell, &FieldOptions { targets: None, limits: drive });
+        // No budget here: a goal beyond it is deferred for time or energy, with the numbers, and must not look
+        // unreachable. The sequencer prunes by the budgets.
+        let everywhere = FieldOptions { targets: None, limits: DriveLimits::NONE };
+        let reach = field(&maps.ground, self.pose.cell, &everywhere);
         let poses = self.poses(maps, &reach);
         self.manager.give_up_unreachable(&poses, &survey, &mut revision);
         let shortlist = self.manager.shortlist(&poses);
@@ -370,21 +372,23 @@ impl Autonomy {
         };
         let new = maps.sites.iter().find(|site| {
             site.prominence >= extraction.min_prominence
-                && (site.prize >= least || least.is_infinite())
                 && !known(site.peak)
                 && self.manager.explained_by(site, spacing).is_none()
-                && self.wanted(maps, site.peak)
+                && self
+                    .weight_of(maps, site.peak)
+                    .is_some_and(|weight| weight * site.prize >= least || least.is_infinite())
         });
         if let Some(site) = new {
             found.push(Trigger::NewCandidate { cell: site.peak, prize: site.prize });
         }
     }
 
-    /// Whether some directive looks for such a place.
-    fn wanted(&self, maps: &Maps, cell: Cell) -> bool {
+    /// The weight of the heaviest directive that looks for such a place, if any does.
+    fn weight_of(&self, maps: &Maps, cell: Cell) -> Option<f64> {
         let interest = f64::from(maps.interest.interest[cell]);
         let shares = credit(&maps.evidence, &self.spec.fusion, cell);
-        self.manager.directives().iter().any(|d| d.accepts(interest, &shares))
+        let accepting = self.manager.directives().iter().filter(|d| d.accepts(interest, &shares));
+        accepting.map(|d| d.weight).max_by(f64::total_cmp)
     }
 
     fn notice_leg(
@@ -413,7 +417,10 @@ impl Autonomy {
         let whole = underway.route.cost.energy_j;
         if whole > 0.0 && at > 0 {
             let driven = self.spent.energy_j - underway.energy_at_start_j;
-            let planned = whole * at as f64 / (cells.len() - 1).max(1) as f64;
+            // What the same edges cost on today's map; one that the map now closes counts nothing.
+            let edges =
+                cells[..=at].windows(2).filter_map(|pair| maps.ground.edge(pair[0], pair[1]));
+            let planned: f64 = edges.map(|cost| cost.energy_j).sum();
             let share = (driven - planned) / whole;
             if share.abs() >= self.spec.triggers.budget_drift {
                 found.push(Trigger::BudgetDrift { share });

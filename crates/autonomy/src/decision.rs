@@ -55,7 +55,7 @@ pub enum Trigger {
         /// Share of the leg's planned energy by which the actual one is off, signed.
         share: f64,
     },
-    /// What remains of the plan fell below the reliability floor.
+    /// What remains of the leg fell below the reliability floor.
     Risk {
         /// Reliability of the rest of the leg on today's map.
         reliability: f64,

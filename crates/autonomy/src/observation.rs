@@ -69,7 +69,7 @@ pub enum StepResult {
     Stopped,
 }
 
-/// What came of the step that was driven.
+/// How the step last decided went.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Outcome {
     /// The decision it answers.

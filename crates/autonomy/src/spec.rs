@@ -7,7 +7,8 @@ use wisdom_planner::Vehicle;
 
 /// How a new reading of a layer meets the one already known.
 ///
-/// An instrument is never fused with its own past readings: fusion is across layers only.
+/// Two readings of one layer become one reading before any expert sees them; evidence is combined only between
+/// experts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub enum MapUpdate {

@@ -1,10 +1,10 @@
-//! Discounting: an uncertain instrument moves mass to ignorance (paper Eq. 4; Shafer 1976).
+//! Discounting: the less sure a sensor, the more of what it says becomes ignorance (paper Eq. 4; Shafer 1976).
 
 use std::collections::BTreeMap;
 
 use crate::{BeliefError, Element, Frame, InterestMass, MassFunction};
 
-/// The share u of an opinion that the sensor loses: 0 is certain, 1 knows nothing. (Reliability is 1 − u.)
+/// How much of an opinion is lost because its sensor cannot be sure: none at 0, all at 1. (Reliability is 1 − u.)
 #[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
 pub struct Uncertainty(f64);
 
@@ -35,15 +35,17 @@ impl Uncertainty {
 }
 
 impl InterestMass {
-    /// Moves the share `u` of every committed mass to ignorance (paper Eq. 4).
+    /// The same opinion from a sensor of uncertainty `u`: each mass shrinks by that share, and ignorance gains
+    /// what they lose (paper Eq. 4).
     ///
     /// ```
-    /// # use wisdom_belief::{InterestMass, Opinion, Uncertainty};
-    /// // Paper Table 6: texture 4, seen with u = 0.66.
-    /// let texture = Opinion { interesting: 0.95, not_interesting: 0.0, paradox: 0.05 };
-    /// let seen = InterestMass::try_from(texture)?.discounted(Uncertainty::new(0.66)?);
-    /// assert!((seen.interesting() - 0.323).abs() < 1e-12);
-    /// # Ok::<(), wisdom_belief::BeliefError>(())
+    /// # use wisdom_belief::{BeliefError, InterestMass, Opinion, Uncertainty};
+    /// // The infrared expert of Table 6, whose camera is unsure by 0.19.
+    /// let dull = Opinion { paradox: 0.2, not_interesting: 0.8, interesting: 0.0 };
+    /// let mass = InterestMass::try_from(dull)?.discounted(Uncertainty::new(0.19)?);
+    /// assert!((mass.not_interesting() - 0.648).abs() < 1e-12);
+    /// assert!((mass.ignorance() - 0.19).abs() < 1e-12); // nothing was unknown before
+    /// # Ok::<(), BeliefError>(())
     /// ```
     #[must_use]
     pub fn discounted(self, Uncertainty(u): Uncertainty) -> Self {
@@ -58,7 +60,7 @@ impl InterestMass {
 }
 
 impl MassFunction {
-    /// Moves the share `u` of every mass to Θ (Shafer 1976); the paper's Eq. 4 on any frame.
+    /// Discounts on any frame: each mass gives the share `u` of itself to Θ (Shafer 1976; the paper's Eq. 4).
     #[must_use]
     pub fn discounted(&self, Uncertainty(u): Uncertainty, frame: &Frame) -> Self {
         let mut masses: BTreeMap<Element, f64> =

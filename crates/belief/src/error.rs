@@ -75,12 +75,12 @@ pub enum BeliefError {
         /// The frame's atoms.
         known: String,
     },
-    /// A mass is negative, above one, or not a number.
+    /// A mass that cannot be one: below 0, above 1 or NaN.
     #[error("m({element}) is {mass}; a mass lies in [0, 1]")]
     OutOfRange {
-        /// The element, as written in expressions.
+        /// Whose mass it is, as expressions write it.
         element: String,
-        /// The rejected mass.
+        /// What was given.
         mass: f64,
     },
     /// An element is given a mass twice.
@@ -89,10 +89,10 @@ pub enum BeliefError {
         /// The element, as written in expressions.
         element: String,
     },
-    /// The masses do not add up.
+    /// All masses together are not 1.
     #[error("masses sum to {sum}; they must sum to 1 within {}", crate::SUM_TOLERANCE)]
     SumNotOne {
-        /// The sum found.
+        /// What they come to.
         sum: f64,
     },
     /// The masses of an opinion, whose rest is ignorance, add up to more than one.

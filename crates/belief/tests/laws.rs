@@ -157,12 +157,12 @@ proptest! {
         prop_assert_eq!(folded, fuse(&sources));
     }
 
-    /// What no expert doubts is interesting: Bel(I) = 1 − Π (m(NI) + m(I ∪ NI)).
+    /// Under DSmC the doubts m(NI) + m(I ∪ NI) of the sources multiply, and belief in I is what they leave of 1.
     #[test]
-    fn fused_belief_is_one_minus_the_product_of_doubts(sources in any_sources()) {
-        let doubt = |m: &InterestMass| m.not_interesting() + m.ignorance();
+    fn under_dsmc_doubts_multiply_and_belief_is_the_rest(sources in any_sources()) {
         let fused = Rule::Dsmc.fuse(&sources, ParadoxPolicy::ToIgnorance).mass;
-        let expected = 1.0 - sources.iter().map(doubt).product::<f64>();
+        let doubts = sources.iter().map(|source| source.not_interesting() + source.ignorance());
+        let expected = 1.0 - doubts.product::<f64>();
         prop_assert!((fused.belief() - expected).abs() < SAME);
         prop_assert_eq!(fused.plausibility(&Model::Free), 1.0);
     }

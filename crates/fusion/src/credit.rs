@@ -16,7 +16,7 @@ const LEAST_INTEREST: f64 = 1e-12;
 /// where there is no interest to share.
 ///
 /// Under `dsmc` what no expert doubts is interesting, `1 − Bel = Π (1 − Bel_s)`, so that −ln(1 − Bel) is a sum
-/// over experts: the share is an expert's part in it (doubts below 1e-6 count as 1e-6).
+/// over experts: the share is an expert's part in it (no doubt is taken to be smaller than 1e-6).
 ///
 /// Under any other rule the share is the expert's Shapley value in the statistic (Shapley 1953: its mean
 /// contribution over all orders in which the experts could speak), divided by the sum of all, which is the

@@ -18,7 +18,8 @@ pub struct Approach {
 /// Poses from which a target can be done: reachable cells within the stand-off that see it, safest way
 /// first; each after the first at least 60° round the target from those before it.
 ///
-/// A rock face is both the interest and the hazard: the target's own cell need not be one of them.
+/// What draws the rover may be what it cannot drive on, a steep face for one: the target's own cell need not be
+/// one of them.
 #[must_use]
 pub fn poses(
     field: &Field<'_>,

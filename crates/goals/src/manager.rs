@@ -132,6 +132,8 @@ pub struct Survey<'a> {
     pub credit: &'a dyn Fn(Cell) -> Vec<f64>,
     /// Digest of the ground (what is blocked) around a cell.
     pub ground: &'a dyn Fn(Cell) -> u64,
+    /// Where the rover stands.
+    pub stand: Cell,
     /// Whether any reading changed since the last decision.
     pub map_changed: bool,
 }
@@ -527,8 +529,15 @@ impl GoalManager {
 
     /// A new goal, if some directive looks for such a site (the heaviest; ties by order in the pool).
     fn formulate(&mut self, site: &Site, survey: &Survey<'_>, revision: &mut Revision) {
-        let interest = f64::from(survey.interest[site.peak]);
-        let credit = (survey.credit)(site.peak);
+        // Of the cells that share the highest prize, the one nearest to the rover: it is on the side that can
+        // be seen and reached, where the middle of a plateau may lie inside a rock.
+        let on_top = |c: &&Cell| f64::from(survey.prize[**c]) >= site.prize;
+        let nearest = site.region.iter().filter(on_top).min_by(|a, b| {
+            a.distance(survey.stand).total_cmp(&b.distance(survey.stand)).then(a.cmp(b))
+        });
+        let target = nearest.copied().unwrap_or(site.peak);
+        let interest = f64::from(survey.interest[target]);
+        let credit = (survey.credit)(target);
         let mut best: Option<usize> = None;
         for (index, directive) in self.directives.iter().enumerate() {
             let heavier = best.is_none_or(|b| directive.weight > self.directives[b].weight);
@@ -552,12 +561,12 @@ impl GoalManager {
         let goal = Goal {
             id,
             directive,
-            target: site.peak,
+            target,
             interest,
             prize,
             prominence: site.prominence,
-            ignorance: f64::from(survey.ignorance[site.peak]),
-            paradox: f64::from(survey.paradox[site.peak]),
+            ignorance: f64::from(survey.ignorance[target]),
+            paradox: f64::from(survey.paradox[target]),
             credit,
             region_cells: site.region.len(),
             attempts,

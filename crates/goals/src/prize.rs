@@ -9,10 +9,11 @@ use wisdom_grid::Raster;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
 #[non_exhaustive]
 pub enum PrizeScale {
-    /// The interest itself: the sum over goals is a lower bound on the expected number of interesting
-    /// sites (the paper's choice).
+    /// The interest itself, as in the paper. Summed over goals: at least so many interesting ones may be
+    /// expected.
     Belief,
-    /// `max(0, (interest − b) / (1 − b))` with b the median over seen ground: how far a place stands out.
+    /// How far a place stands out: `max(0, (interest − b) / (1 − b))`, where b is the background, the median of the
+    /// interest of all ground seen.
     /// On real ground half of the map lies above 0.95 and interest itself cannot choose.
     #[default]
     Contrast,

@@ -270,6 +270,7 @@ impl Eq for Open {}
 struct Cheapest {
     time_s: f64,
     energy_j: f64,
+    data_mb: f64,
     reliability: f64,
 }
 
@@ -279,7 +280,8 @@ struct Search<'a> {
     effort: Effort<'a>,
     cheapest: Vec<Cheapest>,
     /// The candidates in the orders that the bounds need.
-    knapsacks: [Knapsack; 4],
+    plain: [Knapsack; 3],
+    reliable: [Knapsack; 3],
     expansions_cache: BTreeMap<(FactSet, usize), Option<(Expansion, ServiceCost)>>,
     labels: Vec<Label>,
     heads: BTreeMap<(u32, FactSet, usize), u32>,
@@ -303,12 +305,9 @@ impl<'a> Search<'a> {
             .collect();
         let plain = |i: usize| problem.candidates[i].prize;
         let reliable = |i: usize| problem.candidates[i].prize * cheapest[i].reliability;
-        let knapsacks = [
-            Knapsack::new(&cheapest, plain, |c| c.time_s),
-            Knapsack::new(&cheapest, plain, |c| c.energy_j),
-            Knapsack::new(&cheapest, reliable, |c| c.time_s),
-            Knapsack::new(&cheapest, reliable, |c| c.energy_j),
-        ];
+        let costs: [fn(&Cheapest) -> f64; 3] = [|c| c.time_s, |c| c.energy_j, |c| c.data_mb];
+        let plain = costs.map(|cost| Knapsack::new(&cheapest, plain, cost));
+        let reliable = costs.map(|cost| Knapsack::new(&cheapest, reliable, cost));
         let root = Label {
             mask: 0,
             facts: problem.facts,
@@ -334,7 +333,8 @@ impl<'a> Search<'a> {
             prefix,
             effort,
             cheapest,
-            knapsacks,
+            plain,
+            reliable,
             expansions_cache: BTreeMap::new(),
             labels: vec![root],
             heads: BTreeMap::new(),
@@ -525,15 +525,16 @@ impl<'a> Search<'a> {
     }
 
     /// The most that can still be collected after a label: every goal at its cheapest, the last one in part,
-    /// under the tighter of the two budgets (the fractional knapsack bound, Dantzig 1957).
+    /// under the tightest of the three budgets (the fractional knapsack bound, Dantzig 1957).
     fn promise(&self, label: &Label) -> Promise {
         // Sums of the same costs in another order differ by rounding; a goal that fits exactly must not be
         // ruled out by that.
         const GRACE: f64 = 1e-9;
         let limits = &self.problem.limits;
         let left = |limit: f64, spent: f64| limit - spent + GRACE * limit;
-        let (time_s, energy_j) =
-            (left(limits.time_s, label.time_s), left(limits.energy_j, label.energy_j));
+        let time_s = left(limits.time_s, label.time_s);
+        let energy_j = left(limits.energy_j, label.energy_j);
+        let data_mb = left(limits.data_mb, label.data_mb);
         // A goal that no longer fits alone can never be added.
         let fits = |index: usize| {
             let cheapest = &self.cheapest[index];
@@ -541,10 +542,13 @@ impl<'a> Search<'a> {
                 && cheapest.time_s.is_finite()
                 && cheapest.time_s <= time_s
                 && cheapest.energy_j <= energy_j
+                && cheapest.data_mb <= data_mb
         };
-        let [plain_time, plain_energy, reliable_time, reliable_energy] = &self.knapsacks;
-        let plain = plain_time.fill(time_s, fits).min(plain_energy.fill(energy_j, fits)) * ROUNDING;
-        let reliable = reliable_time.fill(time_s, fits).min(reliable_energy.fill(energy_j, fits));
+        let tightest = |[time, energy, data]: &[Knapsack; 3]| {
+            time.fill(time_s, fits).min(energy.fill(energy_j, fits)).min(data.fill(data_mb, fits))
+        };
+        let plain = tightest(&self.plain) * ROUNDING;
+        let reliable = tightest(&self.reliable);
         // Sums of quantised prizes lie on the ladder; so does the best that can be reached below the bound.
         let plain = if self.exact { quantised_down(plain) } else { plain };
         Promise { plain, reliable: reliable * ROUNDING }
@@ -626,8 +630,14 @@ fn cheapest_visit(
     candidate: &Candidate,
     services: &BTreeMap<usize, ServiceCost>,
 ) -> Cheapest {
-    let mut best = Cheapest { time_s: f64::INFINITY, energy_j: f64::INFINITY, reliability: 0.0 };
+    let mut best = Cheapest {
+        time_s: f64::INFINITY,
+        energy_j: f64::INFINITY,
+        data_mb: f64::INFINITY,
+        reliability: 0.0,
+    };
     let Some(service) = services.get(&candidate.directive) else { return best };
+    best.data_mb = service.data_mb;
     let others = problem.candidates.iter().enumerate().filter(|(i, _)| *i != index);
     let sources = std::iter::once(0).chain(others.flat_map(|(_, c)| c.poses.iter().copied()));
     for from in sources {
@@ -642,7 +652,7 @@ fn cheapest_visit(
     best
 }
 
-/// The least time and the least energy (each on its own) that each directive's operators cost in any state
+/// The least time, energy and data (each on its own) that each directive's operators cost in any state
 /// of the facts that the directives can lead to; directives that no state allows are left out.
 fn cheapest_services(problem: &Problem<'_>) -> BTreeMap<usize, ServiceCost> {
     let wanted: std::collections::BTreeSet<usize> =
@@ -664,6 +674,7 @@ fn cheapest_services(problem: &Problem<'_>) -> BTreeMap<usize, ServiceCost> {
                 .and_modify(|s| {
                     s.time_s = s.time_s.min(expansion.cost.time_s);
                     s.energy_j = s.energy_j.min(expansion.cost.energy_j);
+                    s.data_mb = s.data_mb.min(expansion.cost.data_mb);
                 })
                 .or_insert(expansion.cost);
             if known.insert(expansion.facts) {

@@ -136,6 +136,7 @@ impl Rig {
             paradox: &none,
             credit: &|_| vec![1.0],
             ground: &digest,
+            stand: self.at,
             map_changed,
         };
         let mut revision = self.manager.revise(&survey);
@@ -525,7 +526,11 @@ fn an_achieved_goal_explains_its_maximum_even_where_that_is_wide() {
     let mut rig = Rig::at(6);
     rig.sees(&["0999000000000000"]);
     let told = rig.sees(&["0999999999999900"]);
-    assert_eq!(told.of(0).goal.target, Cell::new(0, 2), "5 m from the middle");
+    assert_eq!(
+        told.of(0).goal.target,
+        Cell::new(0, 3),
+        "nearest to the rover, 4 m from the middle"
+    );
     rig.manager.note(GoalId(0), Event::Achieved);
     let told = rig.thinks_again(&["0999999999999900"]);
     assert_eq!(told.verdicts.len(), 1);

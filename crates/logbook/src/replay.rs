@@ -30,6 +30,9 @@ pub enum ReplayError {
     /// The core refuses a logged input.
     #[error("the core refuses what was logged: {0}")]
     Core(#[from] AutonomyError),
+    /// What the logged inputs lead to is not what was logged.
+    #[error("the log does not follow from its own inputs ({0}); `wisdom verify` says more")]
+    Differs(Box<Difference>),
     /// A chosen sequence is no valid STRIPS plan.
     #[error(transparent)]
     Plan(#[from] wisdom_goals::PlanError),
@@ -234,20 +237,27 @@ pub struct Past {
     pub achieved: Vec<(Cell, String)>,
 }
 
-/// Derives a decision of a log again, with its maps; none if the log does not hold it.
+/// Derives a decision of a log again, with its maps; none if the log does not hold it. Every decision up to it
+/// is held against its record, so what is shown is what was logged.
 ///
 /// # Errors
-/// [`ReplayError`] if the log's mission does not load or the core refuses a logged input.
+/// [`ReplayError`] if the log's mission does not load, the core refuses a logged input, or a decision differs
+/// from its record.
 pub fn derive_at(log: &LogReader, number: u32) -> Result<Option<Past>, ReplayError> {
     let mission = mission_of(log)?;
+    let setting = Setting::from(&mission.spec);
     let mut rover = Autonomy::new(mission.spec)?;
     let mut achieved = Vec::new();
     for entry in &log.entries {
         match entry {
             Entry::Observation(logged) => rover.observe(&Observation::try_from(logged)?)?,
             Entry::Outcome(logged) => rover.report(&Outcome::try_from(logged)?)?,
-            Entry::Decision(_) => {
+            Entry::Decision(logged) => {
                 let decision = rover.decide()?;
+                let derived = record::Decision::of(&decision, &setting);
+                if let Some(difference) = first_difference(logged, &derived) {
+                    return Err(ReplayError::Differs(Box::new(difference)));
+                }
                 if decision.number == number {
                     return Ok(rover.maps().cloned().map(|maps| Past { decision, maps, achieved }));
                 }

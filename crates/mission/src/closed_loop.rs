@@ -82,6 +82,8 @@ pub struct RunSummary {
     pub observations: u32,
     /// The legs on which wheels were to turn: a goal served from where the rover stands is none.
     pub legs: Vec<LegRecord>,
+    /// −ln of the chance of all steps driven, by the true hazards.
+    pub neg_ln_r: f64,
     /// Every cell the rover stood on, in order.
     pub track: Vec<Cell>,
 }
@@ -110,16 +112,22 @@ impl RunSummary {
             .sum()
     }
 
+    /// Chance that a rover survives all steps that were driven, by the true hazards.
+    #[must_use]
+    pub fn reliability(&self) -> f64 {
+        libm::exp(-self.neg_ln_r)
+    }
+
     /// Interest gained on the run's own map.
     #[must_use]
     pub fn interest(&self) -> f64 {
-        self.achieved.iter().map(|a| a.interest).sum()
+        self.achieved.iter().fold(0.0, |sum, a| sum + a.interest)
     }
 
     /// Interest gained on the common ruler.
     #[must_use]
     pub fn ruler(&self) -> f64 {
-        self.achieved.iter().map(|a| a.ruler).sum()
+        self.achieved.iter().fold(0.0, |sum, a| sum + a.ruler)
     }
 
     /// Mean squared difference between predicted reliability and what happened, over legs that ended by
@@ -196,6 +204,7 @@ pub fn run(
             decisions: 0,
             observations: 0,
             legs: Vec::new(),
+            neg_ln_r: 0.0,
             track: vec![start],
         },
         ruler: Ruler::new(mission),
@@ -471,6 +480,7 @@ impl Simulation<'_> {
             self.spent.time_s += cost.time_s * factor;
             self.spent.energy_j += cost.energy_j * factor;
             self.spent.length_m += cost.length_m;
+            self.summary.neg_ln_r += cost.neg_ln_r;
             self.pose = Pose { cell: to, heading_rad: heading(from, to) };
             self.summary.track.push(to);
             since_look_m += cost.length_m;

@@ -58,8 +58,8 @@ pub struct Mission {
     pub world: World,
     /// The changes it was read with.
     pub overrides: Vec<Override>,
-    /// Every file it consists of, by its path in the mission's folder, byte for byte; `mission.toml` with
-    /// the overrides applied.
+    /// Every file it consists of, by its path in the mission's folder, unchanged but for
+    /// `mission.toml`, which has the overrides applied.
     pub files: BTreeMap<String, Vec<u8>>,
     /// Digest over all files, the mission's identity.
     pub digest: [u8; 32],
@@ -280,6 +280,11 @@ impl Reader<'_> {
 
     fn assemble(&self, fetch: Fetch<'_>) -> Result<(Spec, World), MissionError> {
         let file = self.file;
+        let fits = |c: char| c.is_ascii_alphanumeric() || "._-".contains(c);
+        if file.name.is_empty() || file.name.starts_with('.') || !file.name.chars().all(fits) {
+            let message = "expected letters, digits, `.`, `_` and `-`: logs are named after it";
+            return Err(self.error(&["name"], format!("`{}`; {message}", file.name)));
+        }
         let mut truth = self.truth(fetch)?;
         let grid = truth[ELEVATION].layer.spec();
         self.within(&["terrain", "spacing-m"], grid.spacing_m(), 1e-3, FAR_M)?;

@@ -1,4 +1,4 @@
-//! The common ruler: interest on the noise-free, fully known world under the rule `dsmc`.
+//! The common ruler: what the rule `dsmc` makes of the world as it truly is, without noise or hidden ground.
 
 use std::collections::BTreeMap;
 

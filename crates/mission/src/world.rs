@@ -1,7 +1,9 @@
 //! The simulated world: what is true, what instruments read of it, and what driving over it does.
 //!
-//! Chance is counter-based: every draw is keyed by what it is for and where, never by when it is made, so that
-//! runs that drive differently still meet the same world (common random numbers), at any thread count.
+//! Chance is counter-based: a draw is keyed by the seed, by what it is for, by where, and by the number of the
+//! look, entry or operator it belongs to. No generator is shared, so the order in which draws are made does not
+//! matter, nor the number of threads; two runs that drive alike meet the same chances, and hazards and slip of
+//! a cell are the same for the same entry whatever was done before.
 
 use std::collections::BTreeMap;
 
@@ -385,13 +387,14 @@ fn averaged(truth: &LayerTruth, block: usize, u: f32) -> (Raster<f32>, Raster<f3
             Raster::from_fn(grid, |c| blocks[(c.row / block) * cols + c.col / block])
         }
         ReadingKind::Scalar { .. } => {
+            // A block of which nothing is known has no mean, and must not be mixed into its neighbours.
             let mean = |w: Window| {
                 let cells = known(w);
-                let first = cells.first().map_or(0.0, |c| f64::from(layer.value(*c)));
+                let first = f64::from(layer.value(*cells.first()?));
                 let above: f64 = cells.iter().map(|c| f64::from(layer.value(*c)) - first).sum();
-                first + above / cells.len().max(1) as f64
+                Some(first + above / cells.len() as f64)
             };
-            let blocks: Vec<f64> =
+            let blocks: Vec<Option<f64>> =
                 (0..rows * cols).map(|i| mean(part(i / cols, i % cols))).collect();
             Raster::from_fn(grid, |c| {
                 let along = |at: usize, count: usize| {
@@ -402,10 +405,13 @@ fn averaged(truth: &LayerTruth, block: usize, u: f32) -> (Raster<f32>, Raster<f3
                 };
                 let ((north, south, down), (west, east, right)) =
                     (along(c.row, rows), along(c.col, cols));
-                let mix = |a: f64, b: f64, share: f64| a + (b - a) * share;
+                let mix = |a: Option<f64>, b: Option<f64>, share: f64| match (a, b) {
+                    (Some(a), Some(b)) => Some(a + (b - a) * share),
+                    (one, other) => one.or(other),
+                };
                 let upper = mix(blocks[north * cols + west], blocks[north * cols + east], right);
                 let lower = mix(blocks[south * cols + west], blocks[south * cols + east], right);
-                mix(upper, lower, down) as f32
+                mix(upper, lower, down).unwrap_or(0.0) as f32
             })
         }
     };
@@ -434,6 +440,23 @@ mod tests {
             }
         }
         assert!(u.values().iter().all(|u| *u == 0.6));
+    }
+
+    #[test]
+    fn a_block_without_data_is_not_mixed_into_its_neighbours() {
+        let grid = GridSpec::new(16, 16, 1.0).expect("a grid");
+        let values = Raster::from_fn(grid, |c| if c.col < 8 { -4500.0f32 } else { 0.0 });
+        let u = Raster::from_fn(grid, |c| if c.col < 8 { 0.0f32 } else { 1.0 });
+        let truth = LayerTruth {
+            layer: Layer::new(values, u).expect("a layer"),
+            site_u: None,
+            kind: ReadingKind::Scalar { sigma: 0.0 },
+        };
+        let (values, u) = averaged(&truth, 8, 0.6);
+        for cell in grid.cells() {
+            let expected = if cell.col < 8 { (-4500.0, 0.6) } else { (0.0, 1.0) };
+            assert_eq!((values[cell], u[cell]), expected, "{cell}");
+        }
     }
 
     #[test]

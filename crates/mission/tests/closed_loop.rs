@@ -335,6 +335,19 @@ fn a_rover_that_knows_everything_discovers_nothing() {
             assert_eq!(run.summary.count_for(action, Cause::Discovery), 0, "{action}");
         }
         assert!(changes > 0 && !run.summary.achieved.is_empty(), "the control does something");
+        // Not a matter of labels: with nothing to find, no maximum is new, moves, fades or merges.
+        for verdict in run.decisions.iter().skip(1).flat_map(|d| &d.verdicts) {
+            let found_out = matches!(
+                verdict.reason,
+                Reason::NewMaximum
+                    | Reason::PeakMoved
+                    | Reason::LostInterest
+                    | Reason::Merged
+                    | Reason::Unreachable
+            );
+            let acted = !matches!(verdict.action, Action::Defer | Action::Keep);
+            assert!(!(found_out && acted), "{verdict:?}");
+        }
     }
 }
 
@@ -498,7 +511,13 @@ fn a_budget_that_ends_on_the_way_is_no_failed_try() {
         assert!(manager.goals.values().all(|goal| goal.attempts == 0) && manager.tries.is_empty());
         let cut_short = run.summary.achieved.is_empty();
         if cut_short {
-            assert_eq!(run.summary.status, RunStatus::BudgetSpent);
+            // Either the budget ended under way, or the rover saw in time that the rest no longer fits.
+            if run.summary.status == RunStatus::Waiting {
+                let told = &run.decisions.last().expect("it decided").verdicts[0];
+                assert_eq!((told.action, told.reason), (Action::Defer, Reason::Time), "{told:?}");
+            } else {
+                assert_eq!(run.summary.status, RunStatus::BudgetSpent);
+            }
             let last = run.outcomes.last().expect("it set out");
             assert!(matches!(last.result, StepResult::Interrupted(_)), "{last:?}");
         }

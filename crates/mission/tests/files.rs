@@ -1,5 +1,4 @@
-//! What is wrong with a mission's files is said with file, line, column, key, the value found and what was
-//! expected.
+//! What is wrong with a mission's files is said: where (file, line, column, key), what is there, what would be right.
 
 mod small;
 
@@ -359,6 +358,14 @@ fn a_mission_file_may_have_any_name_and_errors_use_it() {
 }
 
 #[test]
+fn a_name_that_is_no_file_name_is_refused() {
+    for name in ["", "../escaped", "a/b", ".hidden"] {
+        let error = load("paper", &[("name", name)]).expect_err("logs are named after it");
+        assert!(error.message.contains("expected letters"), "{error}");
+    }
+}
+
+#[test]
 fn overrides_change_values_by_path_and_index() {
     let mission = load(
         "paper",
@@ -369,7 +376,7 @@ fn overrides_change_values_by_path_and_index() {
             ("prior.pinned.0.u", "0.5"),
             ("statistic", "pignistic"),
             ("execution.slip-scatter", "0"),
-            ("name", "a \"quoted\" name"),
+            ("summary", "a \"quoted\" summary"),
             ("layer.0.sigma", "0.3"),
         ],
     );
@@ -379,7 +386,7 @@ fn overrides_change_values_by_path_and_index() {
     assert_eq!(mission.world.execution().start.col, 40);
     assert_eq!(mission.spec.fusion.statistic.name(), "pignistic");
     assert_eq!(mission.world.execution().slip_scatter, 0.0);
-    assert_eq!(mission.name, "a \"quoted\" name");
+    assert_eq!(mission.summary, "a \"quoted\" summary");
     assert_eq!(mission.overrides.len(), 8);
     let layers = &mission.spec.layers;
     let prior = mission.world.prior(layers);

@@ -52,7 +52,7 @@ impl Plan {
     }
 }
 
-/// The plans a decision weighed against each other, and the one it took.
+/// Alternative plans, and which of them is taken.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlanFamily {
     /// The plans, in the order their maker ranks them.

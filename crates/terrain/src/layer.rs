@@ -5,7 +5,7 @@ use wisdom_grid::{Cell, GridSpec, Raster, Window};
 use crate::TerrainError;
 
 /// A raster of readings (elevation in metres, gradient magnitude, texture class, temperature, ..) with the
-/// uncertainty u of each in [0, 1]: the share of an opinion lost to the sensor (paper section III, Eq. 4).
+/// uncertainty u of each in [0, 1]: how much of what an expert says of it is lost (paper section III, Eq. 4).
 ///
 /// Where nothing is known the reading is 0 and u is 1. No reading and no u is ever NaN or infinite.
 #[derive(Debug, Clone, PartialEq)]

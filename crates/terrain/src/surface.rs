@@ -13,9 +13,9 @@ const UNKNOWN: Reading = (0.0, 1.0);
 /// Gradient magnitude |∇z| of an elevation layer in metres: rise over run, dimensionless (the paper's
 /// "modulus of the gradient", Table 1).
 ///
-/// Central differences along rows and columns, `(next − previous) / 2w` with w the cell spacing; one-sided at
-/// borders and where only one neighbour is known. Its u is the largest u of the cells that were used, and 1 where an
-/// axis has no known neighbour (or only one, and the cell itself is unknown, so that there is nothing to
+/// Along rows and columns alike `(next − previous) / 2w`, w being the cell spacing; where one of the two is off the
+/// map or unknown, the cell itself takes its place, over w. The result has the worst u among the cells used, and 1
+/// where an axis has no known neighbour (or only one, and the cell itself is unknown, so that there is nothing to
 /// take a difference with). Heights are subtracted before they are scaled.
 ///
 /// ```
@@ -46,7 +46,7 @@ pub fn slope(elevation: &Layer) -> Layer {
 }
 
 /// Step height of an elevation layer, metres: the largest difference to a known neighbour among the eight
-/// (a hazard of Goldberg, Maimone and Matthies, 2002). Its u is the largest of the cells compared.
+/// (a hazard of Goldberg, Maimone and Matthies, 2002). The worst u among them is its own.
 #[must_use]
 pub fn step(elevation: &Layer) -> Layer {
     derive(elevation, |cell| {
@@ -67,7 +67,7 @@ pub fn step(elevation: &Layer) -> Layer {
 /// Roughness of an elevation layer, metres: root mean square residual of the plane fitted to the known cells
 /// within `radius_cells` (Euclidean, between centres), as in GESTALT (Goldberg, Maimone and Matthies, 2002).
 ///
-/// Its u is the largest u of the cells in the fit; unknown where the cell itself is, or where the known cells
+/// The worst u in the fit is its own; unknown where the cell itself is, or where the known cells
 /// number fewer than four or lie on one line (three cells leave no residual).
 #[must_use]
 pub fn roughness(elevation: &Layer, radius_cells: usize) -> Layer {

@@ -1,9 +1,9 @@
 //! What a camera on a mast can see of the ground (paper section IV, Fig. 3).
 //!
-//! Observer and target stand over cell centres. The sight line between them is tested at every crossing with a
-//! grid line, where the ground is interpolated between the two cells on that grid edge; the target is hidden
-//! when the ground at any crossing is strictly above the line. Crossings next to unknown ground are skipped:
-//! what no one has seen blocks no one's view. The test is made on whole multiples of the heights, without
+//! Observer and target stand over cell centres. Wherever the sight line between them crosses a line of the grid
+//! that joins cell centres, it is compared with the ground there, interpolated between the two cells beside the
+//! crossing; the target is hidden when the ground at any crossing is strictly above the line. Crossings next to
+//! unknown ground are skipped: what no one has seen blocks no one's view. The test is made on whole multiples of the heights, without
 //! division, so that a line that just grazes the ground is not a matter of rounding.
 
 use rayon::prelude::*;

@@ -2,7 +2,7 @@
 
 use super::{Objective, Promise, ROUNDING};
 
-/// Each result is safe once taken (relayed on arrival), so a late failure costs only what comes after.
+/// What was done before a failure still counts: its data have been sent. Only what would have come after is lost.
 pub(super) struct ExpectedInterest;
 
 impl Objective for ExpectedInterest {
