@@ -94,6 +94,15 @@ fn a_run_is_told_verified_and_drawn() {
         let bytes = std::fs::read(&picture).expect("a picture");
         assert!(bytes.starts_with(b"\x89PNG") && bytes.len() > 10_000);
     }
+    // A picture never takes the place of anything but a picture, the log least of all.
+    let posed = run.log.with_extension("png");
+    std::fs::copy(&run.log, &posed).expect("a log under a picture's name");
+    for output in [log, posed.to_str().expect("UTF-8")] {
+        let before = std::fs::read(output).expect("it is there");
+        let shown = wisdom(&["show", log, "-o", output]).output().expect("show");
+        assert_eq!(shown.status.code(), Some(2), "{output}");
+        assert_eq!(std::fs::read(output).expect("it is still there"), before);
+    }
     let output = wisdom(&["show", log, "--layer", "colour", "-o", "x.png"]).output().expect("show");
     assert_eq!(output.status.code(), Some(2));
     assert!(String::from_utf8_lossy(&output.stderr).contains("interest"), "it names what there is");
@@ -158,6 +167,8 @@ fn mistakes_are_told_with_their_place_and_exit_code_2() {
         vec!["run", "missions/nowhere"],
         vec!["replay", "missions/paper/mission.toml"],
         vec!["run", "missions/paper", "--rule", "pcr9"],
+        vec!["run", "missions/paper", "--rule", "pcr6", "--set", "rule=dsmc"],
+        vec!["compare", "missions/paper", "--seeds", "1..2", "--set", "seed=9"],
         vec!["compare", "missions/paper", "--seeds", "5..1"],
     ] {
         let output = wisdom(&args).output().expect("the command runs");
