@@ -1,12 +1,14 @@
 //! The `wisdom` command: run missions, replay and verify their logs, compare rules.
 
 mod check;
+mod combine;
 mod compare;
 mod exit;
 mod figure;
 mod mission_args;
 mod paper;
 mod replay;
+mod rules;
 mod run;
 mod show;
 mod verify;
@@ -40,6 +42,10 @@ enum Command {
     Show(show::ShowArgs),
     /// Check a mission without running it.
     Check(check::CheckArgs),
+    /// List the rules of combination, or explain one.
+    Rules(rules::RulesArgs),
+    /// Combine belief functions: JSON lines in, JSON lines out.
+    Combine(combine::CombineArgs),
     /// Recompute the paper's tables, equations and claims, beside the printed values.
     Paper(paper::PaperArgs),
 }
@@ -52,6 +58,8 @@ fn main() -> ExitCode {
         Command::Compare(args) => compare::run(&args),
         Command::Show(args) => show::run(&args),
         Command::Check(args) => check::run(&args),
+        Command::Rules(args) => rules::run(&args),
+        Command::Combine(args) => combine::run(&args),
         Command::Paper(args) => paper::run(&args),
     };
     outcome.unwrap_or_else(|error| exit::report(&error))

@@ -29,7 +29,7 @@ pub(crate) struct RunArgs {
     /// Seed of the world's chance.
     #[arg(long)]
     seed: Option<u64>,
-    /// Fusion rule: dsmc, dempster or pcr6.
+    /// Fusion rule, instead of the mission's (see `wisdom rules`).
     #[arg(long)]
     rule: Option<String>,
     /// Print nothing but errors.

@@ -1,5 +1,6 @@
 //! Elements of the (hyper-)power set as sets of Venn regions.
 
+use std::cmp::Ordering;
 use std::ops::{BitAnd, BitOr};
 
 /// An element of the power set or hyper-power set of a [`Frame`](crate::Frame): a bit for each Venn region.
@@ -17,7 +18,7 @@ use std::ops::{BitAnd, BitOr};
 /// assert!((i & ni).is_subset_of(i));
 /// # Ok::<(), wisdom_belief::BeliefError>(())
 /// ```
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub struct Element(pub(crate) u128);
 
 impl Element {
@@ -47,6 +48,20 @@ impl Element {
     #[must_use]
     pub const fn regions(self) -> u128 {
         self.0
+    }
+}
+
+/// Elements of fewer Venn regions come first, equally large ones by their bit masks: a part always comes before
+/// the whole.
+impl Ord for Element {
+    fn cmp(&self, other: &Self) -> Ordering {
+        self.cardinality().cmp(&other.cardinality()).then(self.0.cmp(&other.0))
+    }
+}
+
+impl PartialOrd for Element {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
     }
 }
 

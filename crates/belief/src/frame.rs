@@ -170,7 +170,11 @@ impl Frame {
         if self.contains(element) {
             return Ok(());
         }
-        Err(BeliefError::ForeignElement { regions: element.0, atoms: self.atoms.join(", ") })
+        Err(self.foreign(element))
+    }
+
+    pub(crate) fn foreign(&self, element: Element) -> BeliefError {
+        BeliefError::ForeignElement { regions: element.0, atoms: self.atoms.join(", ") }
     }
 
     /// The Venn regions that exist, as bits, in rising order.
@@ -179,11 +183,23 @@ impl Frame {
         (0..u128::BITS).filter(move |bit| theta >> bit & 1 == 1)
     }
 
+    /// The regions inside an atom, before the model's constraints.
+    pub(crate) fn regions_within(&self, atom: usize) -> u128 {
+        self.within[atom]
+    }
+
     /// The least element of the free model that holds these regions: what is true in a region stays true
     /// where more atoms hold, so an element holds each region's supersets. (Nothing to add when exclusive.)
     pub(crate) fn up_closure(&self, element: Element) -> Element {
         if self.model == Model::Shafer {
             return element;
+        }
+        if self.atoms.len() < MAX_OVERLAPPING_ATOMS {
+            // 63 regions at most: every source of every combination is checked by this, and words are faster.
+            let add = |regions: u64, (atom, &within): (usize, &u128)| {
+                regions | (regions & !(within as u64)) << (1_u32 << atom)
+            };
+            return Element(self.within.iter().enumerate().fold(element.0 as u64, add).into());
         }
         let add = |regions: u128, (atom, within): (usize, &u128)| {
             regions | (regions & !within) << (1_u32 << atom)

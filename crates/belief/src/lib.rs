@@ -1,21 +1,43 @@
 #![doc = include_str!("../README.md")]
 
+mod closure;
+mod condition;
+mod decide;
+mod decombine;
+mod decomposition;
 mod discount;
+mod distance;
 mod element;
+mod entropy;
 mod error;
 mod expression;
 mod frame;
+mod hyper_power;
 mod interest;
+mod lattice;
+pub mod map;
 mod mass;
 mod measure;
+mod number;
 mod refine;
+mod region;
 pub mod rule;
+mod transform;
+mod translate;
 
+pub use closure::{Commonalities, Implicabilities, MAX_CLOSURE};
+pub use decide::{Choice, Criterion};
+pub use decomposition::Weights;
 pub use discount::Uncertainty;
 pub use element::Element;
 pub use error::BeliefError;
 pub use frame::{Frame, MAX_EXCLUSIVE_ATOMS, MAX_OVERLAPPING_ATOMS, Model};
+pub use hyper_power::Elements;
 pub use interest::{Fused, InterestMass, Opinion, ParadoxPolicy};
+pub use lattice::{Lattice, MAX_DENSE_ELEMENTS};
 pub use mass::{MassFunction, SUM_TOLERANCE};
+pub use number::Number;
 pub use refine::Refinement;
-pub use rule::{MAX_SOURCES, Rule};
+pub use region::Region;
+pub use rule::{MAX_SOURCES, Rule, Settings};
+pub use transform::Distribution;

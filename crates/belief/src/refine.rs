@@ -3,7 +3,7 @@
 use std::cmp::Reverse;
 use std::collections::BTreeMap;
 
-use crate::{BeliefError, Element, Frame, MassFunction, Model};
+use crate::{BeliefError, Element, Frame, MassFunction, Model, Number};
 
 /// The refined frame `Θ_ref`, one exclusive atom for each Venn region of another frame, and the way there.
 ///
@@ -65,7 +65,7 @@ impl Refinement {
 
     /// The mass function m′ that says the same on the refined frame (paper Eq. 6).
     #[must_use]
-    pub fn mass(&self, mass: &MassFunction) -> MassFunction {
+    pub fn mass<F: Number>(&self, mass: &MassFunction<F>) -> MassFunction<F> {
         let refined = mass.focal().iter().map(|&(element, mass)| (self.element(element), mass));
         MassFunction::from_map(refined.collect::<BTreeMap<_, _>>())
     }

@@ -1,6 +1,6 @@
 //! What can be wrong with tables, experts and the way to fuse them.
 
-use wisdom_belief::{BeliefError, Rule};
+use wisdom_belief::{BeliefError, ParadoxPolicy, Rule};
 use wisdom_grid::GridSpec;
 
 use crate::Statistic;
@@ -110,6 +110,31 @@ pub enum FusionError {
         limit: usize,
         /// The rule.
         rule: Rule,
+    },
+    /// A rule that maps cannot be made with.
+    #[error(
+        "rule {rule} cannot make a map: each of its sources must doubt the frame itself, which none does of a \
+         cell that it has not seen"
+    )]
+    NotOnMaps {
+        /// The rule.
+        rule: Rule,
+    },
+    /// A paradox policy that the rule gives no meaning.
+    #[error("paradox policy {policy} means nothing to rule {rule}; it takes {admitted}")]
+    PolicyNotAdmitted {
+        /// The policy.
+        policy: ParadoxPolicy,
+        /// The rule.
+        rule: Rule,
+        /// The policies that the rule takes.
+        admitted: String,
+    },
+    /// Inagaki's k is not in [0, 1].
+    #[error("inagaki-k is {k}; it lies in [0, 1], where it suits every cell")]
+    InagakiK {
+        /// The value found.
+        k: f64,
     },
     /// The plausibility of *interesting* was asked for as a statistic.
     #[error(

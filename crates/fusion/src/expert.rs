@@ -92,24 +92,34 @@ pub fn judge(
     experts: &[Expert],
     layers: &BTreeMap<String, Layer>,
 ) -> Result<Evidence, FusionError> {
+    let readings = readings(experts, layers)?;
+    let spec = readings[0].1.spec();
+    let experts = readings
+        .into_iter()
+        .map(|(expert, layer)| (expert.name.clone(), opinions(&expert.table, layer)))
+        .collect();
+    Ok(Evidence { spec, experts })
+}
+
+/// Each expert with its layer; all on one grid.
+pub(crate) fn readings<'a>(
+    experts: &'a [Expert],
+    layers: &'a BTreeMap<String, Layer>,
+) -> Result<Vec<(&'a Expert, &'a Layer)>, FusionError> {
     check_names(experts)?;
     let read = |expert| Ok((expert, layer_of(expert, layers)?));
     let readings: Vec<(&Expert, &Layer)> =
         experts.iter().map(read).collect::<Result<_, FusionError>>()?;
     let Some(&(first, layer)) = readings.first() else { return Err(FusionError::NoExperts) };
     let spec = layer.spec();
-    if let Some((second, layer)) = readings.iter().find(|(_, layer)| layer.spec() != spec) {
-        return Err(FusionError::GridMismatch {
+    match readings.iter().find(|(_, layer)| layer.spec() != spec) {
+        None => Ok(readings),
+        Some((second, layer)) => Err(FusionError::GridMismatch {
             first: first.layer.clone(),
             second: second.layer.clone(),
             grids: Box::new((spec, layer.spec())),
-        });
+        }),
     }
-    let experts = readings
-        .into_iter()
-        .map(|(expert, layer)| (expert.name.clone(), opinions(&expert.table, layer)))
-        .collect();
-    Ok(Evidence { spec, experts })
 }
 
 fn check_names(experts: &[Expert]) -> Result<(), FusionError> {

@@ -1,13 +1,13 @@
 //! The interest map: everyone's evidence fused, cell by cell (paper section III.B).
 
 use rayon::prelude::*;
-use wisdom_belief::{Fused, InterestMass, MAX_SOURCES, ParadoxPolicy, Rule};
+use wisdom_belief::{Fused, InterestMass, MAX_SOURCES, Model, ParadoxPolicy, Rule, Settings};
 use wisdom_grid::{GridSpec, Raster};
 
 use crate::{Evidence, FusionError, Statistic};
 
 /// How evidence becomes interest; by default as in the paper.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Fusion {
     /// The rule of combination.
     pub rule: Rule,
@@ -15,6 +15,19 @@ pub struct Fusion {
     pub paradox_policy: ParadoxPolicy,
     /// The number that goals read.
     pub statistic: Statistic,
+    /// k of the rule `inagaki`, in [0, 1]; others do not ask.
+    pub inagaki_k: f64,
+}
+
+impl Default for Fusion {
+    fn default() -> Self {
+        Self {
+            rule: Rule::default(),
+            paradox_policy: ParadoxPolicy::default(),
+            statistic: Statistic::default(),
+            inagaki_k: Settings::default().inagaki_k,
+        }
+    }
 }
 
 impl Fusion {
@@ -23,17 +36,35 @@ impl Fusion {
     /// meet: in the mission's spec, not on the map.
     ///
     /// # Errors
+    /// [`FusionError::NotOnMaps`], [`FusionError::PolicyNotAdmitted`], [`FusionError::InagakiK`],
     /// [`FusionError::TooManyExperts`].
     pub fn check(self, experts: usize) -> Result<(), FusionError> {
-        if self.rule == Rule::Dsmc || experts <= MAX_SOURCES {
+        let Self { rule, paradox_policy: policy, inagaki_k: k, .. } = self;
+        if !rule.on_maps() {
+            return Err(FusionError::NotOnMaps { rule });
+        }
+        if !rule.admits(policy) {
+            let admitted = ParadoxPolicy::ALL.into_iter().filter(|&policy| rule.admits(policy));
+            let admitted = admitted.map(ParadoxPolicy::name).collect::<Vec<_>>().join(", ");
+            return Err(FusionError::PolicyNotAdmitted { policy, rule, admitted });
+        }
+        if !(0.0..=1.0).contains(&k) {
+            return Err(FusionError::InagakiK { k });
+        }
+        if rule == Rule::Dsmc || experts <= MAX_SOURCES {
             return Ok(());
         }
-        Err(FusionError::TooManyExperts { experts, limit: MAX_SOURCES, rule: self.rule })
+        Err(FusionError::TooManyExperts { experts, limit: MAX_SOURCES, rule })
+    }
+
+    pub(crate) fn settings(&self) -> Settings<'static> {
+        Settings::default().with_inagaki_k(self.inagaki_k)
     }
 
     /// All sources of one cell at once.
     pub(crate) fn fuse(self, sources: &[InterestMass]) -> Fused {
-        self.rule.fuse(sources, self.paradox_policy)
+        let fused = self.rule.fuse_with(sources, self.paradox_policy, &self.settings());
+        fused.expect("Fusion::check admits rule, policy and settings")
     }
 
     /// The statistic of what these sources say together.
@@ -81,7 +112,9 @@ pub fn interest_map(evidence: &Evidence, fusion: &Fusion) -> InterestMap {
             sources.extend(evidence.at(spec.cell(index)));
             let Fused { mass, conflict } = fusion.fuse(sources);
             let interest = fusion.statistic.of(mass, &model);
-            [interest, mass.ignorance(), mass.paradox(), conflict, contradiction(sources)]
+            // Under an exclusive model that slot is the empty element, which `conflict` tells of.
+            let paradox = if model == Model::Free { mass.paradox() } else { 0.0 };
+            [interest, mass.ignorance(), paradox, conflict, contradiction(sources)]
                 .map(|value| value as f32)
         })
         .collect();

@@ -1,5 +1,6 @@
 #![doc = include_str!("../README.md")]
 
+mod belief_map;
 mod credit;
 mod error;
 mod expert;
@@ -7,6 +8,7 @@ mod interest_map;
 mod statistic;
 mod table;
 
+pub use belief_map::belief_map;
 pub use credit::credit;
 pub use error::FusionError;
 pub use expert::{Evidence, Expert, judge};

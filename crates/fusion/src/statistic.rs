@@ -43,7 +43,7 @@ impl Statistic {
     #[must_use]
     pub fn of(self, fused: InterestMass, model: &Model) -> f64 {
         match self {
-            Self::Belief => fused.belief(),
+            Self::Belief => fused.belief_under(model),
             Self::Pignistic => fused.pignistic(model),
             Self::Dsmp => fused.dsmp(model, DSMP_EPSILON),
         }

@@ -180,6 +180,35 @@ impl LookupTable {
     }
 }
 
+impl LookupTable {
+    /// The table as intervals that follow each other over all readings: where they meet, in rising order, and
+    /// the opinion of each. A class is the interval from its number up to the next number that f32 holds.
+    pub(crate) fn intervals(&self) -> (Vec<f32>, Vec<Opinion>) {
+        let mut rows: Vec<(f32, f32, Opinion)> = match &self.rows {
+            Rows::Bands(bands) => {
+                bands.iter().map(|band| (band.lo as f32, band.hi as f32, band.opinion)).collect()
+            }
+            Rows::Classes(classes) => classes
+                .iter()
+                .map(|row| (row.class as f32, (row.class as f32).next_up(), row.opinion))
+                .collect(),
+        };
+        rows.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let (mut bounds, mut opinions) = (Vec::new(), vec![self.outside]);
+        for (lo, hi, opinion) in rows {
+            if bounds.last() == Some(&lo) {
+                // The row before ends here: no gap is left between them.
+                opinions.pop();
+            } else {
+                bounds.push(lo);
+            }
+            bounds.push(hi);
+            opinions.extend([opinion, self.outside]);
+        }
+        (bounds, opinions)
+    }
+}
+
 fn by_lower_bound(bands: &[Band]) -> Vec<Band> {
     let mut sorted = bands.to_vec();
     sorted.sort_by(|a, b| a.lo.total_cmp(&b.lo));

@@ -6,7 +6,7 @@ use proptest::prelude::*;
 use wisdom_belief::{InterestMass, Opinion, ParadoxPolicy, Rule};
 use wisdom_fusion::{
     Band, Class, Evidence, Expert, Fusion, FusionError, InterestMap, LookupTable, Rows, Statistic,
-    credit, interest_map, judge,
+    belief_map, credit, interest_map, judge,
 };
 use wisdom_grid::{Cell, GridSpec, Raster};
 use wisdom_terrain::Layer;
@@ -92,6 +92,11 @@ fn evidence() -> Evidence {
 const BORDER: Cell = Cell { row: 0, col: 0 };
 const DULL: Cell = Cell { row: 0, col: 1 };
 const HIDDEN: Cell = Cell { row: 0, col: 2 };
+
+/// The rules that make maps.
+fn map_rules() -> Vec<Rule> {
+    Rule::ALL.into_iter().filter(|rule| rule.on_maps()).collect()
+}
 
 fn by(rule: Rule) -> Fusion {
     Fusion { rule, ..Fusion::default() }
@@ -203,7 +208,7 @@ fn dull_ground_in_clear_sight_has_interest_0_488() {
 #[test]
 fn hidden_ground_has_no_interest_no_credit_and_is_all_ignorance() {
     let evidence = evidence();
-    for rule in Rule::ALL {
+    for rule in map_rules() {
         let map = interest_map(&evidence, &by(rule));
         assert_eq!((map.interest[HIDDEN], map.ignorance[HIDDEN]), (0.0, 1.0), "{rule}");
         assert_eq!((map.conflict[HIDDEN], map.paradox[HIDDEN]), (0.0, 0.0), "{rule}");
@@ -240,12 +245,18 @@ proptest! {
     #[test]
     fn shares_sum_to_one_where_there_is_interest(
         cell in prop::array::uniform3((0.0..100.0_f32, 0.0..0.99_f32)),
-        rule in prop::sample::select(Rule::ALL.to_vec()),
+        rule in prop::sample::select(map_rules()),
         statistic in prop::sample::select(Statistic::ALL.to_vec()),
     ) {
         let evidence = judge(&experts(), &layers(&[cell])).expect("three experts");
         let fusion = Fusion { rule, statistic, ..Fusion::default() };
         let shares = credit(&evidence, &fusion, BORDER);
+        if shares == [0.0; 3] {
+            let interest = f64::from(interest_map(&evidence, &fusion).interest[BORDER]);
+            let of_ignorance = statistic.of(InterestMass::VACUOUS, &rule.model());
+            prop_assert!((interest - of_ignorance).abs() < PLANE, "{}", interest);
+            return Ok(());
+        }
         // Large shares of opposite sign lose digits in their own sum.
         let largest = shares.iter().fold(1.0, |largest: f64, share| largest.max(share.abs()));
         prop_assert!((shares.iter().sum::<f64>() - 1.0).abs() <= 1e-12 * largest, "{:?}", shares);
@@ -269,7 +280,10 @@ fn one_thread_and_four_make_the_same_bits() {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
         pool.install(|| {
             let evidence = judge(&experts(), &layers).expect("three experts");
-            Rule::ALL.map(|rule| interest_map(&evidence, &by(rule)))
+            map_rules()
+                .into_iter()
+                .map(|rule| interest_map(&evidence, &by(rule)))
+                .collect::<Vec<_>>()
         })
     };
     let (one, four) = (on(1), on(4));
@@ -333,4 +347,116 @@ fn plausibility_is_refused_because_it_is_constant() {
     assert!(error.contains("constant 1"), "{error}");
     let error = "entropy".parse::<Statistic>().expect_err("unknown").to_string();
     assert_eq!(error, "unknown statistic `entropy`; known: belief, pignistic, dsmp");
+}
+
+/// Layers on which every row, gap and degree of uncertainty comes up.
+fn varied_layers(rows: usize, cols: usize) -> BTreeMap<String, Layer> {
+    let spec = GridSpec::new(rows, cols, 1.0).expect("a grid");
+    let layer = |scale: usize, modulus: usize, unit: f32| {
+        let value = move |cell: Cell| ((cell.row * scale + cell.col * 7) % modulus) as f32 * unit;
+        let u = move |cell: Cell| ((cell.row * 3 + cell.col * scale) % 101) as f32 / 100.0;
+        Layer::new(Raster::from_fn(spec, value), Raster::from_fn(spec, u)).expect("a layer")
+    };
+    BTreeMap::from([
+        ("dem".to_owned(), layer(5, 31, 0.37)),
+        ("texture".to_owned(), layer(11, 14, 0.5)),
+        ("thermal".to_owned(), layer(13, 270, 0.5)),
+    ])
+}
+
+#[test]
+fn belief_straight_from_readings_is_that_of_the_evidence() {
+    let layers = varied_layers(150, 170);
+    let mut experts = experts();
+    // Gaps, a band without an end, and one that starts where another stops.
+    let rare = opinion(0.1, 0.0, 0.7);
+    let gaps = [(2.0, 3.0, rare), (7.5, f64::INFINITY, rare), (3.0, 4.0, opinion(0.0, 0.5, 0.2))];
+    experts.push(Expert { layer: "dem".to_owned(), ..expert("gaps", banded("gaps", &gaps, rare)) });
+    let evidence = judge(&experts, &layers).expect("four experts");
+    for rule in map_rules() {
+        for paradox_policy in ParadoxPolicy::ALL.into_iter().filter(|&policy| rule.admits(policy)) {
+            let fusion = Fusion { paradox_policy, ..by(rule) };
+            let kept = interest_map(&evidence, &fusion).interest;
+            let straight = belief_map(&experts, &layers, &fusion).expect("a map");
+            for (cell, (kept, straight)) in kept.values().iter().zip(straight.values()).enumerate()
+            {
+                let close = (kept - straight).abs() <= PLANE as f32;
+                assert!(close, "{rule}, {paradox_policy}, cell {cell}: {straight}, not {kept}");
+            }
+        }
+    }
+}
+
+#[test]
+fn belief_straight_from_readings_is_the_same_at_any_number_of_threads() {
+    let layers = varied_layers(300, 500);
+    let on = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
+        pool.install(|| belief_map(&experts(), &layers, &by(Rule::Pcr6)).expect("a map"))
+    };
+    assert_eq!(on(1), on(3));
+}
+
+/// More rows than the kernels hold: slower, and the same.
+#[test]
+fn a_table_of_any_length_makes_a_map() {
+    let rows =
+        (0..200).map(|class| Class { class, opinion: opinion(0.1, 0.0, f64::from(class) / 250.0) });
+    let table =
+        LookupTable::new("t", "class", "1", Rows::Classes(rows.collect()), Opinion::default());
+    let experts = [expert("texture", table.expect("a table"))];
+    let cells = [[(0.0, 0.0), (100.0, 0.5), (0.0, 0.0)], [(0.0, 0.0), (999.0, 0.0), (0.0, 0.0)]];
+    let belief = belief_map(&experts, &layers(&cells), &Fusion::default()).expect("a map");
+    assert_near(belief[BORDER], 0.25, PLANE);
+    assert_near(belief[DULL], 0.0, PLANE);
+}
+
+#[test]
+fn what_makes_no_sense_on_maps_is_refused_with_what_would() {
+    let told = |fusion: Fusion| fusion.check(3).expect_err("makes no sense").to_string();
+    assert!(told(by(Rule::Bold)).starts_with("rule bold cannot make a map"));
+    let policy = |rule, paradox_policy| Fusion { paradox_policy, ..by(rule) };
+    assert_eq!(
+        told(policy(Rule::Pcr6, ParadoxPolicy::KeepForDsmh)),
+        "paradox policy keep-for-dsmh means nothing to rule pcr6; it takes to-ignorance, split, renormalise"
+    );
+    assert_eq!(policy(Rule::Dsmh, ParadoxPolicy::KeepForDsmh).check(3), Ok(()));
+    assert_eq!(policy(Rule::Conjunctive, ParadoxPolicy::ToEmpty).check(3), Ok(()));
+    for k in [-0.1, 1.1, f64::NAN] {
+        let error = told(Fusion { inagaki_k: k, ..by(Rule::Inagaki) });
+        assert_eq!(
+            error,
+            format!("inagaki-k is {k}; it lies in [0, 1], where it suits every cell")
+        );
+    }
+    assert!(belief_map(&experts(), &varied_layers(2, 2), &by(Rule::Bold)).is_err());
+}
+
+/// Table 8's last policy: the paradox is kept, and the hybrid rule learns only then that nothing is both.
+#[test]
+fn the_hybrid_rule_can_be_told_of_the_model_at_the_end() {
+    let fusion = Fusion { paradox_policy: ParadoxPolicy::KeepForDsmh, ..by(Rule::Dsmh) };
+    let map = interest_map(&evidence(), &fusion);
+    assert_near(map.interest[BORDER], 0.2013, 5e-5);
+    assert_near(map.ignorance[BORDER], 0.7687, 5e-5);
+    assert_eq!(map.paradox[BORDER], 0.0);
+}
+
+/// Inagaki's family runs from Yager's rule at k = 0 towards Dempster's.
+#[test]
+fn inagakis_k_chooses_between_yager_and_more() {
+    let interest = |fusion: Fusion| interest_map(&evidence(), &fusion).interest[BORDER];
+    let inagaki = |inagaki_k| interest(Fusion { inagaki_k, ..by(Rule::Inagaki) });
+    assert_near(inagaki(0.0), interest(by(Rule::Yager)).into(), PLANE);
+    assert!(inagaki(0.0) < inagaki(0.5) && inagaki(0.5) < inagaki(1.0));
+    assert!(inagaki(1.0) < interest(by(Rule::Dempster)));
+}
+
+/// Mass on ∅ is no reason to go there.
+#[test]
+fn conflict_that_is_kept_counts_as_conflict_and_not_as_interest() {
+    let map = interest_map(&evidence(), &by(Rule::Conjunctive));
+    assert_near(map.interest[BORDER], 0.2987, 5e-5);
+    assert_eq!(map.paradox[BORDER], 0.0);
+    assert!(map.conflict[BORDER] > 0.5);
 }

@@ -21,6 +21,8 @@ pub(crate) struct MissionFile {
     #[serde(default)]
     pub statistic: Option<String>,
     #[serde(default)]
+    pub inagaki_k: Option<f64>,
+    #[serde(default)]
     pub policy: Option<String>,
     #[serde(default)]
     pub prize: Option<String>,

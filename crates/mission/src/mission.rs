@@ -308,8 +308,17 @@ impl Reader<'_> {
             rule: self.named::<Rule>("rule", file.rule.as_deref())?,
             paradox_policy: self.named::<ParadoxPolicy>("paradox", file.paradox.as_deref())?,
             statistic: self.named::<Statistic>("statistic", file.statistic.as_deref())?,
+            inagaki_k: file.inagaki_k.unwrap_or(Fusion::default().inagaki_k),
         };
-        fusion.check(experts.len()).map_err(|e| self.error(&["experts"], e))?;
+        fusion.check(experts.len()).map_err(|e| {
+            let key = match &e {
+                FusionError::NotOnMaps { .. } => "rule",
+                FusionError::PolicyNotAdmitted { .. } => "paradox",
+                FusionError::InagakiK { .. } => "inagaki-k",
+                _ => "experts",
+            };
+            self.error(&[key], e)
+        })?;
         let domain = self.domain()?;
         let directives = self.directives(&domain, &experts)?;
         let manager = self.manager()?;

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use wisdom_autonomy::{ELEVATION, Source};
 use wisdom_belief::Rule;
-use wisdom_fusion::{Fusion, Statistic, interest_map, judge};
+use wisdom_fusion::{Fusion, belief_map};
 use wisdom_grid::{Cell, Raster};
 use wisdom_terrain::Layer;
 
@@ -35,9 +35,8 @@ impl Ruler {
             };
             layers.insert(layer.name.clone(), values);
         }
-        let fusion = Fusion { rule: Rule::Dsmc, statistic: Statistic::Belief, ..Fusion::default() };
-        let evidence = judge(&spec.experts, &layers).expect("loading checked the experts");
-        Self(interest_map(&evidence, &fusion).interest)
+        let fusion = Fusion { rule: Rule::Dsmc, ..Fusion::default() };
+        Self(belief_map(&spec.experts, &layers, &fusion).expect("loading checked the experts"))
     }
 
     /// True interest at a cell.

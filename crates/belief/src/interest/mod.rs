@@ -1,9 +1,12 @@
-//! The paper's frame {I, NI} without allocation, for maps.
+//! The paper's frame {I, NI} without allocation, for cells and, in closed form, for maps.
 
-mod kernels;
+pub(crate) mod closed;
+mod fuse;
 mod mass;
 mod policy;
 
-pub use kernels::Fused;
+pub(crate) use closed::exponential;
+pub use fuse::Fused;
+pub(crate) use mass::ROUNDING;
 pub use mass::{InterestMass, Opinion};
 pub use policy::ParadoxPolicy;

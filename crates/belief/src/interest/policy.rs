@@ -2,11 +2,12 @@
 
 use std::{fmt, str::FromStr};
 
-use crate::{BeliefError, InterestMass};
+use crate::{BeliefError, InterestMass, Number};
 
 /// Where m(I ∩ NI) goes, source by source, before a rule on Shafer's model.
 ///
-/// The choice matters: on the paper's point (67, 20) Dempster's m(I) is 0.688, 0.754 or 0.844.
+/// The choice matters: on the paper's point (67, 20) Dempster's m(I) is 0.688, 0.754 or 0.844. Not every rule gives
+/// every policy a meaning: see [`Rule::admits`](crate::Rule::admits).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
 #[non_exhaustive]
 pub enum ParadoxPolicy {
@@ -17,11 +18,16 @@ pub enum ParadoxPolicy {
     Split,
     /// Dropped, and the other masses scaled up to sum to 1. (A source that is all paradox becomes vacuous.)
     Renormalise,
+    /// Kept, for the hybrid rule of DSmT, which learns that I ∩ NI is empty only when the sources have spoken.
+    KeepForDsmh,
+    /// To ∅: what a source says of both at once it says against the frame (an open world; Smets 1990).
+    ToEmpty,
 }
 
 impl ParadoxPolicy {
     /// Every policy there is.
-    pub const ALL: [Self; 3] = [Self::ToIgnorance, Self::Split, Self::Renormalise];
+    pub const ALL: [Self; 5] =
+        [Self::ToIgnorance, Self::Split, Self::Renormalise, Self::KeepForDsmh, Self::ToEmpty];
 
     /// The name that [`FromStr`] reads.
     #[must_use]
@@ -30,44 +36,19 @@ impl ParadoxPolicy {
             Self::ToIgnorance => "to-ignorance",
             Self::Split => "split",
             Self::Renormalise => "renormalise",
+            Self::KeepForDsmh => "keep-for-dsmh",
+            Self::ToEmpty => "to-empty",
         }
     }
 
-    /// The mass function without its paradox.
+    /// The mass function as a rule on Shafer's model takes it: without paradox, but for the last two policies,
+    /// under which it stays where it is and has another meaning (m(∅), under [`ParadoxPolicy::ToEmpty`]).
     #[must_use]
-    pub fn apply(self, mass: InterestMass) -> InterestMass {
-        let InterestMass { interesting, not_interesting, ignorance, paradox } = mass;
-        if paradox == 0.0 {
+    pub fn apply<F: Number>(self, mass: InterestMass<F>) -> InterestMass<F> {
+        if mass.paradox == F::zero() {
             return mass;
         }
-        match self {
-            Self::ToIgnorance => {
-                InterestMass { ignorance: ignorance + paradox, paradox: 0.0, ..mass }
-            }
-            Self::Split => InterestMass {
-                interesting: interesting + paradox / 2.0,
-                not_interesting: not_interesting + paradox / 2.0,
-                paradox: 0.0,
-                ..mass
-            },
-            Self::Renormalise => mass.without_paradox(),
-        }
-    }
-}
-
-impl InterestMass {
-    /// The other masses scaled to sum to 1; vacuous if there are none.
-    pub(super) fn without_paradox(self) -> Self {
-        let rest = self.interesting + self.not_interesting + self.ignorance;
-        if rest == 0.0 {
-            return Self::VACUOUS;
-        }
-        Self {
-            interesting: self.interesting / rest,
-            not_interesting: self.not_interesting / rest,
-            ignorance: self.ignorance / rest,
-            paradox: 0.0,
-        }
+        InterestMass::from_array(self.moved(mass.masses()))
     }
 }
 
