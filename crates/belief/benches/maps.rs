@@ -99,9 +99,8 @@ impl<F: MapNumber> Masses<F> {
                 F::from_f64(weights[of as usize] / weights.iter().sum::<f64>())
             }
         };
-        let plane = |part: u64| {
-            layout.plane((source * 3 + part) as usize, cells, F::zero(), share(part))
-        };
+        let plane =
+            |part: u64| layout.plane((source * 3 + part) as usize, cells, F::zero(), share(part));
         Self { interesting: plane(0), not_interesting: plane(1), paradox: plane(2) }
     }
 
@@ -226,7 +225,12 @@ struct Work<'a> {
 
 /// Triad and kernels in turns; prints each kernel's rate and its share of what the triad would reach, and gives
 /// the seconds of a call.
-fn measure(title: &str, cells: usize, rounds: usize, work: &mut [Work<'_>]) -> BTreeMap<String, f64> {
+fn measure(
+    title: &str,
+    cells: usize,
+    rounds: usize,
+    work: &mut [Work<'_>],
+) -> BTreeMap<String, f64> {
     let value = |cell: usize| noise(cell, 7) as f32;
     let [mut a, b, c] = [40, 41, 42].map(|plane| Layout::APART.plane(plane, cells, 0.0_f32, value));
     // Small maps are over too soon for the clock.
@@ -307,18 +311,16 @@ fn straight_from_readings<F: MapNumber>(side: usize, rounds: usize, title: &str)
     };
     let (seven, forty) = (table(7), table(40));
     let layout = Layout::APART;
-    let u = [0, 1, 2].map(|s| {
-        layout.plane(s, cells, F::zero(), |cell| F::from_f64(noise(cell, 60 + s as u64)))
-    });
+    let u = [0, 1, 2]
+        .map(|s| layout.plane(s, cells, F::zero(), |cell| F::from_f64(noise(cell, 60 + s as u64))));
     let rows = |of: usize| {
         [3, 4, 5].map(|s| {
             layout.plane(s, cells, 0_u8, |cell| (noise(cell, 70 + s as u64) * of as f64) as u8)
         })
     };
     let (few, many) = (rows(7), rows(40));
-    let values = [6, 7, 8].map(|s| {
-        layout.plane(s, cells, 0.0_f32, |cell| (noise(cell, 80 + s as u64) * 7.0) as f32)
-    });
+    let values = [6, 7, 8]
+        .map(|s| layout.plane(s, cells, 0.0_f32, |cell| (noise(cell, 80 + s as u64) * 7.0) as f32));
     let bounds = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0];
     let belief = RefCell::new(layout.plane(9, cells, F::zero(), |_| F::zero()));
     let call = |rule: Rule, sources: &[Source<'_, F>]| {
@@ -433,7 +435,8 @@ fn beside_numpy(ours: &BTreeMap<String, f64>, side: usize) {
 fn main() {
     // `cargo bench` hands over its own flags; any other word chooses the parts whose title has it.
     let words: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with('-')).collect();
-    let chosen = |title: &str| words.is_empty() || words.iter().any(|word| title.contains(word.as_str()));
+    let chosen =
+        |title: &str| words.is_empty() || words.iter().any(|word| title.contains(word.as_str()));
     println!("instructions: {}; ordinary stores; one thread", map::instruction_set());
     println!("a written plane counts twice, in the triad (16 B a cell) as in the kernels");
     let (large, small) = (2048, 512);

@@ -132,7 +132,11 @@ impl<F: Number> Criterion<F> {
             Self::Dsmp { epsilon } => check_epsilon(epsilon),
             Self::Hurwicz { pessimism } if !(F::zero()..=F::one()).contains(&pessimism) => {
                 let (value, expected) = (pessimism.to_f64(), "in [0, 1]");
-                Err(BeliefError::Parameter { name: "pessimism", value, expected })
+                Err(BeliefError::Parameter {
+                    name: "pessimism",
+                    value,
+                    expected: expected.to_owned(),
+                })
             }
             _ => Ok(()),
         }

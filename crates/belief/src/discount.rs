@@ -154,7 +154,11 @@ fn check_contexts<F: Number>(contexts: &[(Element, F)], frame: &Frame) -> Result
         frame.check(context)?;
         if !(F::zero()..=F::one()).contains(&reliability) {
             let (value, expected) = (reliability.to_f64(), "in [0, 1]");
-            return Err(BeliefError::Parameter { name: "reliability", value, expected });
+            return Err(BeliefError::Parameter {
+                name: "reliability",
+                value,
+                expected: expected.to_owned(),
+            });
         }
         if contexts[..index].iter().any(|&(other, _)| other == context) {
             return Err(BeliefError::RepeatedElement { element: frame.print(context) });

@@ -151,16 +151,6 @@ pub enum BeliefError {
         /// The rule.
         rule: crate::Rule,
     },
-    /// What a rule asks beside its sources is out of range.
-    #[error("setting {name} is {value}; expected {expected}")]
-    Setting {
-        /// The setting.
-        name: &'static str,
-        /// What was given.
-        value: f64,
-        /// What would have been right.
-        expected: String,
-    },
     /// A rule that must visit every product of focal elements would visit too many.
     #[error("{products} products of focal elements; rule {rule} visits at most {limit}")]
     TooManyProducts {
@@ -245,7 +235,7 @@ pub enum BeliefError {
         /// The value found.
         value: f64,
         /// What it should be.
-        expected: &'static str,
+        expected: String,
     },
     /// A measure of a closed world was asked for in an open one.
     #[error("m(empty) is {mass}; {measure} is defined only where it is 0")]
@@ -342,7 +332,6 @@ impl BeliefError {
             Self::NotFreeModel { .. } => "not_free_model",
             Self::MassOnEmpty { .. } => "mass_on_empty",
             Self::TotalConflict { .. } | Self::Implausible { .. } => "total_conflict",
-            Self::Setting { .. } => "setting",
             Self::TooManyProducts { .. } => "too_many_products",
             Self::PolicyNotAdmitted { .. } => "policy_not_admitted",
             Self::NotOnMaps { .. } => "not_on_maps",

@@ -133,5 +133,9 @@ pub(crate) fn check_epsilon<F: Number>(epsilon: F) -> Result<(), BeliefError> {
         return Ok(());
     }
     let expected = "at least 0";
-    Err(BeliefError::Parameter { name: "epsilon", value: epsilon.to_f64(), expected })
+    Err(BeliefError::Parameter {
+        name: "epsilon",
+        value: epsilon.to_f64(),
+        expected: expected.to_owned(),
+    })
 }

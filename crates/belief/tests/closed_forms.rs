@@ -453,7 +453,7 @@ fn calls_that_make_no_sense_are_refused() {
     );
     let setting =
         |rule: Rule, settings: &Settings<'_>| match call(rule, ParadoxPolicy::Split, settings) {
-            Err(BeliefError::Setting { name, value, .. }) => (name, value),
+            Err(BeliefError::Parameter { name, value, .. }) => (name, value),
             other => panic!("{other:?}"),
         };
     for k in [-1.0, f64::INFINITY] {

@@ -8,6 +8,7 @@ use std::fmt::Write as _;
 use std::sync::LazyLock;
 
 use wisdom_autonomy::{Act, Decision, Maps, Observation, Outcome, Spent, StepResult};
+use wisdom_belief::Rule;
 use wisdom_goals::{Action, Cause, FactSet, GoalId, Reason, Status};
 use wisdom_mission::{
     Mission, Override, Progress, RecordError, Recorder, RunStatus, RunSummary, run,
@@ -316,6 +317,22 @@ fn every_action_occurs_and_the_map_s_changes_bring_it_about() {
     for action in Action::ALL {
         assert!(met.contains(&action), "{action} never occurs");
     }
+}
+
+/// Each rule sees the same scene in its own way; under each the run is sound from end to end.
+#[test]
+fn a_mission_runs_under_every_rule_that_makes_maps() {
+    let mut chosen = BTreeSet::new();
+    for rule in Rule::ALL.into_iter().filter(|rule| rule.on_maps()) {
+        let named = format!("rule = \"{rule}\"\npolicy");
+        let run = go(small_mission(&scene(1), &[("policy", &named)]));
+        let first = &run.decisions[0];
+        chosen.insert(format!(
+            "{:?}",
+            first.verdicts.iter().map(|v| v.goal.target).collect::<Vec<_>>()
+        ));
+    }
+    assert!(chosen.len() > 1, "the choice of a rule changes nothing");
 }
 
 #[test]

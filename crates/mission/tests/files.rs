@@ -7,6 +7,7 @@ use std::path::Path;
 use std::sync::LazyLock;
 
 use proptest::prelude::*;
+use wisdom_belief::Rule;
 use wisdom_mission::{MISSION_FILE, Mission, MissionError, Override};
 
 type Files = BTreeMap<String, Vec<u8>>;
@@ -115,6 +116,29 @@ fn names_that_are_not_known_come_with_those_that_are() {
     check(m, (rule, &constant), "\"plausibility\"", &["statistic", "constant"]);
     let paradox = format!("{rule}\nparadox = \"away\"");
     check(m, (rule, &paradox), "\"away\"", &["paradox", "away"]);
+}
+
+#[test]
+fn every_rule_that_makes_maps_is_a_missions_to_choose() {
+    for rule in Rule::ALL {
+        let loaded = load("paper", &[("rule", rule.name())]);
+        assert_eq!(loaded.is_ok(), rule.on_maps(), "{rule}");
+    }
+    let told = [("rule", "dsmh"), ("paradox", "keep-for-dsmh")];
+    assert!(load("paper", &told).is_ok());
+    let told = [("rule", "inagaki"), ("inagaki-k", "0.25")];
+    assert_eq!(load("paper", &told).expect("a mission").spec.fusion.inagaki_k, 0.25);
+}
+
+#[test]
+fn what_makes_no_sense_together_is_shown_where_it_is_said() {
+    let (m, rule) = (MISSION_FILE, "rule = \"dsmc\"");
+    check(m, (rule, "rule = \"bold\""), "\"bold\"", &["rule", "bold", "cannot make a map"]);
+    let paradox = "rule = \"pcr6\"\nparadox = \"keep-for-dsmh\"";
+    let words = ["paradox", "keep-for-dsmh means nothing to rule pcr6", "to-ignorance, split"];
+    check(m, (rule, paradox), "\"keep-for-dsmh\"", &words);
+    let k = "rule = \"inagaki\"\ninagaki-k = 1.5";
+    check(m, (rule, k), "1.5", &["inagaki-k", "lies in [0, 1]"]);
 }
 
 #[test]

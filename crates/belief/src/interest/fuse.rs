@@ -51,7 +51,7 @@ impl Rule {
     /// sources are given on the free model is said by [`ParadoxPolicy::KeepForDsmh`].
     ///
     /// # Errors
-    /// [`BeliefError::PolicyNotAdmitted`], [`BeliefError::Setting`], or [`BeliefError::TooManySources`] for the
+    /// [`BeliefError::PolicyNotAdmitted`], [`BeliefError::Parameter`], or [`BeliefError::TooManySources`] for the
     /// rules that visit 3^S assignments.
     pub fn fuse_with<F: Number>(
         self,

@@ -81,7 +81,7 @@ pub(super) fn inagaki<M: Mask, F: Number>(
     let committed = sum(committed.map(|&(_, mass)| mass)).to_f64();
     // As close above the limit as the division that made k may round.
     if !(k >= 0.0 && k * committed <= 1.0 + F::SUM_TOLERANCE.max(4.0 * f64::EPSILON)) {
-        return Err(BeliefError::Setting {
+        return Err(BeliefError::Parameter {
             name: "inagaki_k",
             value: k,
             expected: format!("0 to 1 / (1 - K - m(Theta)) = {}", 1.0 / committed),

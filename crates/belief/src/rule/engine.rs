@@ -69,7 +69,7 @@ pub fn combine_with<F: Number>(
 /// not that of [`combine`].
 ///
 /// # Errors
-/// As [`Workspace::combine_with`]; [`BeliefError::Setting`] for weights, which belong to all sources at once,
+/// As [`Workspace::combine_with`]; [`BeliefError::Parameter`] for weights, which belong to all sources at once,
 /// and for a source model, which an intermediate result no longer has.
 pub fn fold<F: Number>(
     rule: Rule,
@@ -78,7 +78,7 @@ pub fn fold<F: Number>(
     settings: &Settings<'_>,
 ) -> Result<MassFunction<F>, BeliefError> {
     let setting = |name, value, expected: &str| {
-        Err(BeliefError::Setting { name, value, expected: expected.to_owned() })
+        Err(BeliefError::Parameter { name, value, expected: expected.to_owned() })
     };
     if let Some(weights) = settings.weights {
         return setting("weights", weights.len() as f64, "none where two are taken at a time");
@@ -166,7 +166,7 @@ impl<F: Number> Workspace<F> {
     ///   `zhang`, `jaccard-centre`, and `murphy` and `deng` where all mass is on ∅;
     /// - [`BeliefError::Dogmatic`] for `cautious` if a source has no mass on Θ, [`BeliefError::Normal`] for `bold`
     ///   if one has none on ∅;
-    /// - [`BeliefError::Setting`] for a setting out of range;
+    /// - [`BeliefError::Parameter`] for a setting out of range;
     /// - [`BeliefError::TooManyProducts`] for a rule that visits every product of focal elements,
     ///   [`BeliefError::TooManyElements`] where so many come up that nobody could use them.
     pub fn combine_with(

@@ -49,14 +49,14 @@ impl<'a> Settings<'a> {
             return Ok(());
         }
         let expected = "a finite number of at least 0".to_owned();
-        Err(BeliefError::Setting { name, value, expected })
+        Err(BeliefError::Parameter { name, value, expected })
     }
 
     /// Refuses weights that make no mean of so many sources.
     pub(crate) fn check_weights(&self, sources: usize) -> Result<(), BeliefError> {
         let Some(weights) = self.weights else { return Ok(()) };
         let refuse = |value, expected: String| {
-            Err(BeliefError::Setting { name: "weights", value, expected })
+            Err(BeliefError::Parameter { name: "weights", value, expected })
         };
         if weights.len() != sources {
             return refuse(weights.len() as f64, format!("as many as sources, {sources}"));
