@@ -180,6 +180,10 @@ fn median(times: &mut [f64]) -> f64 {
     times[times.len() / 2]
 }
 
+#[expect(
+    clippy::inline_always,
+    reason = "code for an instruction set is compiled only where it is inlined"
+)]
 #[inline(always)]
 fn triad_loop<S: Simd>(simd: S, a: &mut [f32], b: &[f32], c: &[f32]) {
     let lanes = S::f32s::LEN;

@@ -296,17 +296,16 @@ proptest! {
         };
         let read: Vec<[f64; 4]> = sources.iter().map(read).collect();
         let fused = rule.fuse(&sources, policy);
-        match by_definition(rule, &read) {
-            Some(expected) => {
-                prop_assert!(close(fused.mass.masses(), expected, SAME), "{rule} {policy} {fused:?} {expected:?}");
-                let k = if rule == Rule::Dsmc { 0.0 } else { conjunctive(&read)[PARADOX] };
-                prop_assert!((fused.conflict - k).abs() < SAME, "{rule} {fused:?} {k}");
-            }
-            None => {
-                prop_assert_eq!(fused.mass, InterestMass::VACUOUS);
-                prop_assert_eq!(fused.conflict, 1.0);
-            }
-        }
+        let Some(expected) = by_definition(rule, &read) else {
+            prop_assert_eq!(fused.mass, InterestMass::VACUOUS);
+            prop_assert_eq!(fused.conflict, 1.0);
+            return Ok(());
+        };
+        prop_assert!(
+            close(fused.mass.masses(), expected, SAME), "{rule} {policy} {fused:?} {expected:?}"
+        );
+        let k = if rule == Rule::Dsmc { 0.0 } else { conjunctive(&read)[PARADOX] };
+        prop_assert!((fused.conflict - k).abs() < SAME, "{rule} {fused:?} {k}");
     }
 
     #[test]
@@ -451,18 +450,18 @@ fn calls_that_make_no_sense_are_refused() {
         call(Rule::Pcr5, ParadoxPolicy::Split, &plain),
         Err(BeliefError::TooManySources { sources: 9, limit: 8, rule: Rule::Pcr5 })
     );
-    let setting =
+    let parameter =
         |rule: Rule, settings: &Settings<'_>| match call(rule, ParadoxPolicy::Split, settings) {
             Err(BeliefError::Parameter { name, value, .. }) => (name, value),
             other => panic!("{other:?}"),
         };
     for k in [-1.0, f64::INFINITY] {
-        assert_eq!(setting(Rule::Inagaki, &plain.with_inagaki_k(k)), ("inagaki_k", k));
+        assert_eq!(parameter(Rule::Inagaki, &plain.with_inagaki_k(k)), ("inagaki_k", k));
     }
-    assert_eq!(setting(Rule::Average, &plain.with_weights(&[1.0])), ("weights", 1.0));
+    assert_eq!(parameter(Rule::Average, &plain.with_weights(&[1.0])), ("weights", 1.0));
     let mut weights = [1.0; 9];
     weights[4] = -0.5;
-    assert_eq!(setting(Rule::Average, &plain.with_weights(&weights)), ("weights", -0.5));
+    assert_eq!(parameter(Rule::Average, &plain.with_weights(&weights)), ("weights", -0.5));
     assert!(call(Rule::Average, ParadoxPolicy::Split, &plain.with_weights(&[0.0; 9])).is_err());
     assert!(call(Rule::Pcr6, ParadoxPolicy::Split, &plain).is_ok());
 }

@@ -4,7 +4,7 @@ use wisdom_belief::map::{
     self, MAX_MAP_SOURCES, MAX_ROWS, MapNumber, Outputs, Planes, PlanesMut, Source, Table,
 };
 use wisdom_belief::{
-    BeliefError, InterestMass, Number, Opinion, ParadoxPolicy, Rule, Settings, Uncertainty,
+    BeliefError, InterestMass, Opinion, ParadoxPolicy, Rule, Settings, Uncertainty,
 };
 
 /// Contract of single precision: absolute, of masses and of belief.

@@ -4,7 +4,7 @@ use super::MapNumber;
 use super::belief::DsmcBelief;
 use super::number::{Instructions, Job};
 use super::outputs::Outputs;
-use super::source::{BLOCK, Cells, Planes, Room, Source, Step, sweep_again};
+use super::source::{BLOCK, Cells, Planes, Room, Source, Step, Wanted, sweep_again};
 use super::width::Width;
 use crate::interest::closed::{ClosedForm, Outcome, Visitor};
 use crate::{BeliefError, Number, ParadoxPolicy, Rule, Settings};
@@ -41,7 +41,7 @@ pub(super) fn fuse_by<F: MapNumber>(
     sources: &[Source<'_, F>],
     policy: ParadoxPolicy,
     settings: &Settings<'_>,
-    mut outputs: Outputs<'_, F>,
+    outputs: Outputs<'_, F>,
 ) -> Result<(), BeliefError> {
     let cells = check(rule, sources, policy, settings, &outputs)?;
     if sources.is_empty() {
@@ -109,18 +109,24 @@ impl<F: MapNumber> Call<'_, '_, F> {
         outputs: Outputs<'_, F>,
     ) {
         let (instructions, sources, cells) = (self.instructions, self.sources, block[1] - block[0]);
-        let supporting = self.rule == Rule::Dsmc && outputs.belief_alone();
+        let wanted = match self.policy {
+            None if outputs.belief_alone() => Wanted::Supporting,
+            Some(ParadoxPolicy::ToIgnorance) => Wanted::Opinion,
+            _ => Wanted::Paradox,
+        };
         if sources.iter().any(|source| !matches!(source, Source::Planes(_))) {
-            instructions.run(cells, LookUp { sources, block, supporting, room });
+            instructions.run(cells, LookUp { sources, block, wanted, room });
         }
         let nothing = Planes { interesting: &[], not_interesting: &[], paradox: None };
         let mut planes = [nothing; N];
         for ((slot, source), room) in planes.iter_mut().zip(sources).zip(&*room) {
-            *slot = source.planes(block, room, supporting);
+            *slot = source.planes(block, room, wanted);
         }
         let planes = &planes[..sources.len()];
         match outputs.belief {
-            Some(belief) if supporting => instructions.run(cells, DsmcBelief { planes, belief }),
+            Some(belief) if wanted == Wanted::Supporting => {
+                instructions.run(cells, DsmcBelief { planes, belief });
+            }
             _ => {
                 let fusion = Fusion { instructions, planes, policy: self.policy, outputs, cells };
                 F::fuse_planes(fusion, self.rule, self.settings);
@@ -133,7 +139,7 @@ impl<F: MapNumber> Call<'_, '_, F> {
 struct LookUp<'a, F> {
     sources: &'a [Source<'a, F>],
     block: [usize; 2],
-    supporting: bool,
+    wanted: Wanted,
     room: &'a mut [Room<F>],
 }
 
@@ -141,7 +147,7 @@ impl<F: MapNumber> Job<F> for LookUp<'_, F> {
     #[inline(always)]
     fn run<W: Width<F>>(self, width: W) {
         for (source, room) in self.sources.iter().zip(self.room) {
-            source.look_up(width, self.block, room, self.supporting);
+            source.look_up(width, self.block, room, self.wanted);
         }
     }
 }

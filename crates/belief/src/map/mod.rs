@@ -21,6 +21,10 @@
 //! # Ok::<(), wisdom_belief::BeliefError>(())
 //! ```
 //!
+//! Memory sets the pace of the plainer rules. Large planes that all begin at the same place in a page (as those that
+//! were allocated one by one do) compete for the same lines of the caches, and may take up to twice as long; planes that
+//! begin some cache lines apart, as views into one buffer can, do not.
+//!
 //! The widest instructions that the processor has are found out when the program runs. No result depends on
 //! them: every step is one addition, subtraction, multiplication, division, square root or comparison of
 //! IEEE 754, in the same order, whatever the width.

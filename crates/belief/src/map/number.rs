@@ -49,15 +49,10 @@ impl Wideable for f64 {
     }
 }
 
-/// The instructions to do a job with; the result does not depend on them.
+/// The instructions to do a job with, or none but those for one cell at a time; the result does not depend on
+/// them.
 #[derive(Clone, Copy)]
-pub(super) enum Instructions {
-    /// One cell at a time.
-    #[cfg(test)]
-    Single,
-    /// A vector instruction set.
-    Wide(Level),
-}
+pub(super) struct Instructions(pub Option<Level>);
 
 /// No register holds more cells.
 const WIDEST: usize = 16;
@@ -65,13 +60,13 @@ const WIDEST: usize = 16;
 impl Instructions {
     /// The widest that this processor has.
     pub(super) fn widest() -> Self {
-        Self::Wide(Level::new())
+        Self(Some(Level::new()))
     }
 
     /// Does a job on so many cells; one by one if they may not fill a register.
     pub(super) fn run<F: MapNumber>(self, cells: usize, job: impl Job<F>) {
-        match self {
-            Self::Wide(level) if cells >= WIDEST => run_wide(level, job),
+        match self.0 {
+            Some(level) if cells >= WIDEST => run_wide(level, job),
             _ => job.run(Single),
         }
     }

@@ -110,28 +110,39 @@ fn check_bounds(bounds: &[f32], rows: usize) -> Result<(), BeliefError> {
 /// How many cells of a source are looked up ahead: few enough to stay in the first cache.
 pub(super) const BLOCK: usize = 256;
 
+/// What a fusion asks of a table.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum Wanted {
+    /// m(I) and m(I ∩ NI) in one: all that Bel(I) alone asks under DSmC.
+    Supporting,
+    /// m(I) and m(NI): paradox that goes to ignorance is part of the rest.
+    Opinion,
+    /// m(I ∩ NI), too.
+    Paradox,
+}
+
 /// Room for what was looked up of one source: m(I), m(NI), m(I ∩ NI).
 pub(super) type Room<F> = [[F; BLOCK]; 3];
 
 impl<'a, F: MapNumber> Source<'a, F> {
-    /// Looks up the masses of a block of cells, at most [`BLOCK`], unless they are there already. If only
-    /// what is `supporting` I is asked for, it takes the place of m(I) and m(I ∩ NI) both.
+    /// Looks up the masses of a block of cells, at most [`BLOCK`], unless they are there already. What is
+    /// [`Wanted::Supporting`] takes the place of m(I).
     #[inline(always)]
     pub(super) fn look_up<W: Width<F>>(
         &self,
         width: W,
         [from, to]: [usize; 2],
         room: &mut Room<F>,
-        supporting: bool,
+        wanted: Wanted,
     ) {
         let Some(table) = self.table() else { return };
         let [i, n, p] = room;
-        if supporting {
+        if wanted == Wanted::Supporting {
             return self.column(width, [from, to], &table.supporting, i);
         }
         self.column(width, [from, to], &table.interesting, i);
         self.column(width, [from, to], &table.not_interesting, n);
-        if let Some(column) = &table.paradox {
+        if let (Wanted::Paradox, Some(column)) = (wanted, &table.paradox) {
             self.column(width, [from, to], column, p);
         }
     }
@@ -149,7 +160,7 @@ impl<'a, F: MapNumber> Source<'a, F> {
         &self,
         [from, to]: [usize; 2],
         room: &'b Room<F>,
-        supporting: bool,
+        wanted: Wanted,
     ) -> Planes<'b, F>
     where
         'a: 'b,
@@ -165,7 +176,8 @@ impl<'a, F: MapNumber> Source<'a, F> {
                 Planes {
                     interesting: &i[..to - from],
                     not_interesting: &n[..to - from],
-                    paradox: (table.paradox.is_some() && !supporting).then(|| &p[..to - from]),
+                    paradox: (table.paradox.is_some() && wanted == Wanted::Paradox)
+                        .then(|| &p[..to - from]),
                 }
             }
         }
@@ -184,8 +196,7 @@ impl<'a, F: MapNumber> Source<'a, F> {
         match *self {
             Self::Planes(_) => {}
             Self::Classes { rows, uncertainty, .. } => {
-                width.look_up(column, &rows[from..to], found);
-                sweep(width, to - from, Keep { uncertainty: &uncertainty[from..to], found });
+                width.look_up(column, &rows[from..to], &uncertainty[from..to], found);
             }
             Self::Readings { values, bounds, uncertainty, .. } => {
                 let (values, uncertainty) = (&values[from..to], &uncertainty[from..to]);
@@ -224,21 +235,6 @@ pub(super) fn sweep<F: Number, W: Width<F>>(width: W, cells: usize, mut step: im
     while at < cells {
         step.step(Single, at);
         at += 1;
-    }
-}
-
-/// Discounts masses in place.
-struct Keep<'a, F> {
-    uncertainty: &'a [F],
-    found: &'a mut [F],
-}
-
-impl<F: Number> Step<F> for Keep<'_, F> {
-    #[inline(always)]
-    fn step<W: Width<F>>(&mut self, width: W, at: usize) {
-        let u = width.load(self.uncertainty, at);
-        let mass = width.load(self.found, at);
-        width.store(mass * (u.one_of() - u), self.found, at);
     }
 }
 

@@ -6,9 +6,11 @@ use crate::{BeliefError, InterestMass, Number, Opinion};
 /// The most rows a [`Table`] has: as many as a byte can number.
 pub const MAX_ROWS: usize = 256;
 
-/// Tables of fewer rows than this are looked up in registers, sixteen cells at once; the last entry is kept
-/// free for whatever has no row.
-const REGISTER_ROWS: usize = 16;
+/// Rows that fit one register: tables of fewer are looked up there, many cells at once.
+pub(super) const REGISTER_ROWS: usize = 16;
+
+/// The row of such a table that is kept free for whatever has none.
+pub(super) const LAST_ROW: u8 = 15;
 
 /// A table of opinions by row number; a number without a row is no opinion at all.
 #[derive(Debug, Clone, PartialEq)]
@@ -75,14 +77,9 @@ impl<F: Number> Column<F> {
 }
 
 impl Column<f32> {
-    /// The first, second, third and fourth bytes of sixteen rows, if those are all and one is free.
+    /// The masses as a register holds them, if that is all and one is left for whatever has no row.
     #[inline(always)]
-    pub(super) fn bytes(&self) -> Option<[[u8; REGISTER_ROWS]; 4]> {
-        let small = self.rows < REGISTER_ROWS;
-        small.then(|| {
-            std::array::from_fn(|byte| {
-                std::array::from_fn(|row| self.masses[row].to_le_bytes()[byte])
-            })
-        })
+    pub(super) fn register(&self) -> Option<&[f32; REGISTER_ROWS]> {
+        if self.rows < REGISTER_ROWS { self.masses.first_chunk() } else { None }
     }
 }

@@ -25,7 +25,7 @@ fn instruction_sets() -> Vec<Instructions> {
     };
     #[cfg(not(target_arch = "x86_64"))]
     let levels = [Some(widest)];
-    levels.into_iter().flatten().map(Instructions::Wide).collect()
+    levels.into_iter().flatten().map(|level| Instructions(Some(level))).collect()
 }
 
 /// Whole weights by a fixed congruence, zeros among them.
@@ -70,7 +70,7 @@ fn fused<F: MapNumber>(
 }
 
 fn assert_same_bits<F: MapNumber>(rule: Rule, policy: ParadoxPolicy, sources: &[Source<'_, F>]) {
-    let one_by_one = fused(Instructions::Single, rule, policy, sources);
+    let one_by_one = fused(Instructions(None), rule, policy, sources);
     for instructions in instruction_sets() {
         let wide = fused(instructions, rule, policy, sources);
         assert!(
@@ -114,7 +114,7 @@ fn every_rule_has_the_same_bits_with_any_instructions_in_double_precision() {
 
 fn look_ups_have_the_same_bits<F: MapNumber>() {
     let opinion =
-        |interesting, not_interesting, paradox| Opinion { interesting, not_interesting, paradox };
+        |interesting, not_interesting, paradox| Opinion { paradox, not_interesting, interesting };
     let table =
         Table::new(&[opinion(0.9, 0.05, 0.0), opinion(0.1, 0.3, 0.2), opinion(0.0, 0.7, 0.1)])
             .expect("three opinions");

@@ -2,9 +2,9 @@
 
 use std::ops::{Add, Div, Mul, Sub};
 
-use fearless_simd::{Bytes, Select, Simd, SimdBase, SimdFloat, f32x4, u8x16, u16x8};
+use fearless_simd::{Bytes, Select, Simd, SimdBase, SimdFloat, SimdWiden, f32x4, u8x16, u16x8};
 
-use super::table::Column;
+use super::table::{Column, LAST_ROW, REGISTER_ROWS};
 use crate::Number;
 use crate::interest::closed::{Binary, Format, Lanes, exponential};
 
@@ -28,13 +28,13 @@ pub trait Width<F>: Copy {
     /// Puts cells back.
     fn store(self, lanes: Self::Lanes, plane: &mut [F], at: usize);
 
-    /// Looks up as many rows of a table's column as `found` has cells.
-    fn look_up(self, column: &Column<F>, rows: &[u8], found: &mut [F]);
+    /// Looks up as many rows of a table's column as `found` has cells, each discounted by its u.
+    fn look_up(self, column: &Column<F>, rows: &[u8], uncertainty: &[F], found: &mut [F]);
 }
 
 /// One cell after the other.
 #[derive(Clone, Copy)]
-pub struct Single;
+pub(super) struct Single;
 
 impl<F: Number> Width<F> for Single {
     type Lanes = F;
@@ -62,16 +62,16 @@ impl<F: Number> Width<F> for Single {
     }
 
     #[inline(always)]
-    fn look_up(self, column: &Column<F>, rows: &[u8], found: &mut [F]) {
-        for (found, &row) in found.iter_mut().zip(rows) {
-            *found = column.at(row);
+    fn look_up(self, column: &Column<F>, rows: &[u8], uncertainty: &[F], found: &mut [F]) {
+        for ((found, &row), &u) in found.iter_mut().zip(rows).zip(uncertainty) {
+            *found = column.at(row) * (F::one() - u);
         }
     }
 }
 
 /// As many cells as the instruction set's registers hold.
 #[derive(Clone, Copy)]
-pub struct Wide<S>(pub S);
+pub(super) struct Wide<S>(pub S);
 
 impl<S: Simd> Width<f32> for Wide<S> {
     type Lanes = Vector<S, S::f32s>;
@@ -100,28 +100,82 @@ impl<S: Simd> Width<f32> for Wide<S> {
     }
 
     #[inline(always)]
-    fn look_up(self, column: &Column<f32>, rows: &[u8], found: &mut [f32]) {
-        let Some(bytes) = column.bytes() else {
-            return Single.look_up(column, rows, found);
+    fn look_up(self, column: &Column<f32>, rows: &[u8], uncertainty: &[f32], found: &mut [f32]) {
+        let done = match column.register() {
+            Some(masses) => look_up_in_registers(self, masses, rows, uncertainty, found),
+            None => 0,
         };
-        let tables = [
-            u8x16::from_slice(self.0, &bytes[0]),
-            u8x16::from_slice(self.0, &bytes[1]),
-            u8x16::from_slice(self.0, &bytes[2]),
-            u8x16::from_slice(self.0, &bytes[3]),
-        ];
-        let (mut cells, mut numbers) = (rows.chunks_exact(16), found.chunks_exact_mut(16));
-        for (cells, numbers) in (&mut cells).zip(&mut numbers) {
-            shuffle(self.0, tables, cells, numbers);
-        }
-        Single.look_up(column, cells.remainder(), numbers.into_remainder());
+        Single.look_up(column, &rows[done..], &uncertainty[done..], &mut found[done..]);
     }
 }
 
-/// Looks up sixteen rows: each byte of a number in a table of its own, sixteen entries to a register.
+/// Looks up what fills registers and tells how many cells that were. Row numbers above 15 count as 15.
+#[inline(always)]
+fn look_up_in_registers<S: Simd>(
+    wide: Wide<S>,
+    masses: &[f32; REGISTER_ROWS],
+    rows: &[u8],
+    uncertainty: &[f32],
+    found: &mut [f32],
+) -> usize {
+    let cells = <Wide<S> as Width<f32>>::CELLS;
+    let (whole, at_once) = (cells == REGISTER_ROWS, <S::u8s as SimdBase<S>>::LEN);
+    let mut done = 0;
+    while whole && done + at_once <= rows.len() {
+        gather(wide, masses, &rows[done..], &mut found[done..]);
+        done += at_once;
+    }
+    let tables = split(wide.0, masses);
+    while !whole && done + REGISTER_ROWS <= rows.len() {
+        shuffle(wide.0, tables, &rows[done..done + REGISTER_ROWS], &mut found[done..]);
+        done += REGISTER_ROWS;
+    }
+    let mut at = 0;
+    while at < done {
+        let (u, mass) = (wide.load(uncertainty, at), wide.load(found, at));
+        wide.store(mass * (u.one_of() - u), found, at);
+        at += cells;
+    }
+    done
+}
+
+/// Looks up as many rows as there are bytes in a register that holds the whole table.
+#[inline(always)]
+fn gather<S: Simd>(wide: Wide<S>, masses: &[f32; REGISTER_ROWS], rows: &[u8], found: &mut [f32]) {
+    let table = S::f32s::from_slice(wide.0, masses);
+    let rows = S::u8s::from_slice(wide.0, &rows[..<S::u8s as SimdBase<S>>::LEN]);
+    let (low, high) = rows.min(LAST_ROW).widen();
+    let ((first, second), (third, fourth)) = (low.widen(), high.widen());
+    let cells = <Wide<S> as Width<f32>>::CELLS;
+    pick::<S>(table, first).store_slice(&mut found[..cells]);
+    pick::<S>(table, second).store_slice(&mut found[cells..2 * cells]);
+    pick::<S>(table, third).store_slice(&mut found[2 * cells..3 * cells]);
+    pick::<S>(table, fourth).store_slice(&mut found[3 * cells..4 * cells]);
+}
+
+/// One number of a register for each row: its four bytes are those from byte 4 · row on.
+#[inline(always)]
+fn pick<S: Simd>(table: S::f32s, rows: S::u32s) -> S::f32s {
+    let first = rows << 2;
+    let two = first | (first << 8);
+    let four = two | (two << 16);
+    table.swizzle_dyn((four + 0x0302_0100).to_bytes())
+}
+
+/// The first, second, third and fourth bytes of sixteen numbers.
+#[inline(always)]
+fn split<S: Simd>(simd: S, masses: &[f32; REGISTER_ROWS]) -> [u8x16<S>; 4] {
+    let mut tables = [u8x16::splat(simd, 0); 4];
+    for (byte, table) in tables.iter_mut().enumerate() {
+        *table = u8x16::from_fn(simd, |row| masses[row].to_le_bytes()[byte]);
+    }
+    tables
+}
+
+/// Looks up sixteen rows: each byte of a number in a table of its own.
 #[inline(always)]
 fn shuffle<S: Simd>(simd: S, tables: [u8x16<S>; 4], rows: &[u8], found: &mut [f32]) {
-    let rows = u8x16::from_slice(simd, rows).min(u8x16::splat(simd, 15));
+    let rows = u8x16::from_slice(simd, rows).min(LAST_ROW);
     let [first, second, third, fourth] = [
         tables[0].swizzle_dyn(rows),
         tables[1].swizzle_dyn(rows),
@@ -130,7 +184,7 @@ fn shuffle<S: Simd>(simd: S, tables: [u8x16<S>; 4], rows: &[u8], found: &mut [f3
     ];
     // From four registers of bytes to sixteen numbers of four bytes each.
     join(first.zip_low(second), third.zip_low(fourth), &mut found[..8]);
-    join(first.zip_high(second), third.zip_high(fourth), &mut found[8..]);
+    join(first.zip_high(second), third.zip_high(fourth), &mut found[8..16]);
 }
 
 /// Eight numbers from their lower and their upper two bytes.
@@ -171,14 +225,14 @@ impl<S: Simd> Width<f64> for Wide<S> {
     }
 
     #[inline(always)]
-    fn look_up(self, column: &Column<f64>, rows: &[u8], found: &mut [f64]) {
-        Single.look_up(column, rows, found);
+    fn look_up(self, column: &Column<f64>, rows: &[u8], uncertainty: &[f64], found: &mut [f64]) {
+        Single.look_up(column, rows, uncertainty, found);
     }
 }
 
 /// Numbers in a vector register.
 #[derive(Clone, Copy)]
-pub struct Vector<S: Simd, V> {
+pub(super) struct Vector<S: Simd, V> {
     lanes: V,
     simd: S,
 }

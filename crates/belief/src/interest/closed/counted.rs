@@ -10,21 +10,21 @@ pub(super) struct Counted<L> {
     u: L,
     i: L,
     n: L,
-    pub k: L,
+    pub(super) k: L,
     i_of_i: L,
-    pub k_of_i: L,
+    pub(super) k_of_i: L,
     n_of_n: L,
-    pub k_of_n: L,
+    pub(super) k_of_n: L,
     u_of_u: L,
     i_of_u: L,
     n_of_u: L,
-    pub k_of_u: L,
+    pub(super) k_of_u: L,
 }
 
 impl<L: Lanes> Counted<L> {
     /// One source: what it gives to I, NI and I ∪ NI, and what each choice is worth to its chooser.
     #[inline(always)]
-    pub fn one([i, n, u]: [L; 3], [worth_i, worth_n, worth_u]: [L; 3]) -> Self {
+    pub(super) fn one([i, n, u]: [L; 3], [worth_i, worth_n, worth_u]: [L; 3]) -> Self {
         let zero = u.zero_of();
         Self {
             u,
@@ -44,7 +44,7 @@ impl<L: Lanes> Counted<L> {
 
     /// With one more source.
     #[inline(always)]
-    pub fn and(self, [i, n, u]: [L; 3], [worth_i, worth_n, worth_u]: [L; 3]) -> Self {
+    pub(super) fn and(self, [i, n, u]: [L; 3], [worth_i, worth_n, worth_u]: [L; 3]) -> Self {
         let (not_n, not_i, any) = (i + u, n + u, i + n + u);
         let (by_i, by_n, by_u) = (i * worth_i, n * worth_n, u * worth_u);
         Self {

@@ -3,7 +3,7 @@
 use super::lanes::Lanes;
 
 /// Lanes whose exponent can be moved.
-pub trait Binary: Lanes {
+pub(crate) trait Binary: Lanes {
     /// The constants of its format.
     const FORMAT: &'static Format;
 
@@ -13,7 +13,7 @@ pub trait Binary: Lanes {
 
 /// What eˣ needs to know of a floating-point format.
 #[derive(Debug)]
-pub struct Format {
+pub(crate) struct Format {
     /// Bits of the mantissa that are stored.
     mantissa_bits: u32,
     /// 1.5 times two to the mantissa's length: adding it rounds to a whole number.
@@ -32,7 +32,7 @@ pub struct Format {
 impl Format {
     /// How far to shift a whole number to add it to the exponent.
     #[inline(always)]
-    pub fn mantissa_bits(&self) -> u32 {
+    pub(crate) fn mantissa_bits(&self) -> u32 {
         self.mantissa_bits
     }
 }
@@ -77,7 +77,7 @@ impl Binary for f64 {
 
 /// eˣ for x ≤ 0, within 2 units in the last place down to [`Format::lowest`].
 #[inline(always)]
-pub fn exponential<L: Binary>(x: L) -> L {
+pub(crate) fn exponential<L: Binary>(x: L) -> L {
     let Format { shifter, ln_2_high, ln_2_low, lowest, degree, .. } = *L::FORMAT;
     let x = x.upper(x.value(lowest));
     let shifter = x.value(shifter);

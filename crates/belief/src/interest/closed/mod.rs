@@ -29,9 +29,9 @@ pub(crate) use centre::{Jaccard, Zhang};
 pub(crate) use conjunctive::{Conjunctive, Dempster, Dsmc, Inagaki, Yager, supported};
 pub(crate) use counted::Purr;
 pub(crate) use disjunctive::{Disjunctive, Florea};
-pub use exponential::{Binary, Format, exponential};
+pub(crate) use exponential::{Binary, Format, exponential};
 pub(crate) use hybrid::Dsmh;
-pub use lanes::Lanes;
+pub(crate) use lanes::Lanes;
 pub(crate) use proportional::{Pcr1, Pcr2, Pcr4, Urr};
 pub(crate) use redistribution::Redistribution;
 

@@ -7,7 +7,8 @@
 use std::sync::LazyLock;
 
 use super::counted::Counted;
-use super::{Lanes, Sources};
+use super::{Lanes, Masses, Sources};
+use crate::map::MAX_MAP_SOURCES;
 
 /// A node of the integral and its weight.
 type Node = (f64, f64);
@@ -32,7 +33,50 @@ static DOUBLE: LazyLock<[Node; 64]> = LazyLock::new(|| nodes([-3.15, 12.92]));
 
 /// Adds to the agreed masses of I, NI and I ∪ NI what each gets back of the conflict.
 #[inline(always)]
-pub(super) fn redistributed<L: Lanes, const IGNORANCE: bool>(
+pub(super) fn redistributed<L: Lanes, M: Sources<L>, const IGNORANCE: bool>(
+    sources: &M,
+    agreed: [L; 3],
+) -> [L; 3] {
+    if M::MAP {
+        return integrated::<L, IGNORANCE>(&Kept::new(sources), agreed);
+    }
+    integrated::<L, IGNORANCE>(sources, agreed)
+}
+
+/// Masses of a map's sources that were read once, for all nodes.
+struct Kept<L> {
+    masses: [Masses<L>; MAX_MAP_SOURCES],
+    count: usize,
+}
+
+impl<L: Lanes> Kept<L> {
+    #[inline(always)]
+    fn new(sources: &impl Sources<L>) -> Self {
+        let count = sources.count();
+        let mut masses = [sources.masses(0); MAX_MAP_SOURCES];
+        for (source, slot) in masses.iter_mut().enumerate().take(count).skip(1) {
+            *slot = sources.masses(source);
+        }
+        Self { masses, count }
+    }
+}
+
+impl<L: Lanes> Sources<L> for Kept<L> {
+    const MAP: bool = true;
+
+    #[inline(always)]
+    fn count(&self) -> usize {
+        self.count
+    }
+
+    #[inline(always)]
+    fn masses(&self, source: usize) -> Masses<L> {
+        self.masses[source]
+    }
+}
+
+#[inline(always)]
+fn integrated<L: Lanes, const IGNORANCE: bool>(
     sources: &impl Sources<L>,
     agreed: [L; 3],
 ) -> [L; 3] {

@@ -27,13 +27,13 @@ const fn enumerated(map: bool, single: bool) -> usize {
 impl<const SUMS: bool, const IGNORANCE: bool> ClosedForm for Redistribution<SUMS, IGNORANCE> {
     #[inline(always)]
     fn fuse<L: Lanes>(self, sources: &impl Sources<L>) -> Outcome<L> {
-        self.fused(sources)
+        Self::fused(sources)
     }
 }
 
 impl<const SUMS: bool, const IGNORANCE: bool> Redistribution<SUMS, IGNORANCE> {
     #[inline(always)]
-    fn fused<L: Lanes, M: Sources<L>>(self, sources: &M) -> Outcome<L> {
+    fn fused<L: Lanes, M: Sources<L>>(sources: &M) -> Outcome<L> {
         let count = sources.count();
         if M::MAP && count == 2 {
             return two(sources.masses(0), sources.masses(1));
@@ -44,7 +44,7 @@ impl<const SUMS: bool, const IGNORANCE: bool> Redistribution<SUMS, IGNORANCE> {
         let [i, n, u, conflict] = intersection(sources);
         let agreed = [i, n, u];
         let [i, n, u] = if SUMS && count > enumerated(M::MAP, L::SINGLE) {
-            quadrature::redistributed::<L, IGNORANCE>(sources, agreed)
+            quadrature::redistributed::<L, M, IGNORANCE>(sources, agreed)
         } else if M::MAP || count <= MAX_SOURCES {
             branch_by_branch::<L, SUMS, IGNORANCE>(sources, agreed)
         } else {
@@ -110,8 +110,8 @@ fn branch_by_branch<L: Lanes, const SUMS: bool, const IGNORANCE: bool>(
     let count = sources.count();
     let first = sources.masses(0);
     let mut masses = [first; MAX_SOURCES];
-    for source in 1..count {
-        masses[source] = sources.masses(source);
+    for (source, slot) in masses.iter_mut().enumerate().take(count).skip(1) {
+        *slot = sources.masses(source);
     }
     let mut choices = [Choice::<L, SUMS>::none(first[0].one_of()); MAX_SOURCES + 1];
     let mut elements = [0_usize; MAX_SOURCES];
