@@ -175,6 +175,9 @@ fn time(work: impl FnOnce()) -> f64 {
     start.elapsed().as_secs_f64()
 }
 
+/// Shorter work is repeated within one measurement.
+const SHORTEST_S: f64 = 0.01;
+
 fn median(times: &mut [f64]) -> f64 {
     times.sort_by(f64::total_cmp);
     times[times.len() / 2]
@@ -238,8 +241,11 @@ fn measure(
     let value = |cell: usize| noise(cell, 7) as f32;
     let [mut a, b, c] = [40, 41, 42].map(|plane| Layout::APART.plane(plane, cells, 0.0_f32, value));
     // Small maps are over too soon for the clock.
-    let repeats = (4_000_000 / cells).max(1);
-    let repeat = |call: &mut dyn FnMut()| time(|| (0..repeats).for_each(|_| call()));
+    let repeats = |seconds: f64| (SHORTEST_S / seconds).ceil().max(1.0) as usize;
+    let repeat = |call: &mut dyn FnMut()| {
+        let times = repeats(time(&mut *call));
+        time(|| (0..times).for_each(|_| call())) / times as f64
+    };
     let mut times = vec![Vec::new(); work.len()];
     let mut triads = Vec::new();
     for _ in 0..rounds {
@@ -248,13 +254,12 @@ fn measure(
             times.push(repeat(&mut work.call));
         }
     }
-    let seconds = |times: &mut [f64]| median(times) / repeats as f64;
-    let triad_rate = (TRIAD_BYTES * cells) as f64 / seconds(&mut triads);
+    let triad_rate = (TRIAD_BYTES * cells) as f64 / median(&mut triads);
     println!("\n{title}: triad {:.1} GB/s", triad_rate / 1e9);
     println!("{:34} {:>7} {:>8} {:>7} {:>9}", "", "B/cell", "Mpx/s", "GB/s", "of triad");
     let mut calls = BTreeMap::new();
     for (Work { name, bytes, .. }, times) in work.iter().zip(&mut times) {
-        let call = seconds(times);
+        let call = median(times);
         let (cells_a_second, rate) = (cells as f64 / call, (bytes * cells) as f64 / call);
         let share = rate / triad_rate;
         println!(

@@ -157,9 +157,15 @@ fn closure(
         let with: Vec<Element> = closure.iter().map(|&other| operation(element, other)).collect();
         closure.insert(element);
         closure.extend(with);
-        if closure.len() > MAX_CLOSURE {
-            return Err(BeliefError::TooManyElements { limit: MAX_CLOSURE });
-        }
+        check_closure(closure.len())?;
     }
     Ok(closure.into_iter().collect())
+}
+
+/// Refuses more elements than algorithms on a closure are meant for.
+pub(crate) fn check_closure(elements: usize) -> Result<(), BeliefError> {
+    if elements > MAX_CLOSURE {
+        return Err(BeliefError::TooManyElements { limit: MAX_CLOSURE });
+    }
+    Ok(())
 }

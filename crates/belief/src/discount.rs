@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use crate::closure::check_closure;
 use crate::condition::gathered;
 use crate::{BeliefError, Element, Frame, InterestMass, MassFunction, Number};
 
@@ -71,9 +72,7 @@ impl<F: Number> MassFunction<F> {
         *masses.entry(frame.theta()).or_insert_with(F::zero) += u;
         Self::from_map(masses)
     }
-}
 
-impl<F: Number> MassFunction<F> {
     /// Takes a discount back: the mass function whose [`MassFunction::discounted`] by `u` this is.
     ///
     /// # Errors
@@ -140,12 +139,14 @@ impl<F: Number> MassFunction<F> {
     ) -> Result<Self, BeliefError> {
         self.elements().try_for_each(|element| frame.check(element))?;
         check_contexts(contexts, frame)?;
-        Ok(contexts.iter().fold(self.clone(), |m, &(context, kept)| {
+        contexts.iter().try_fold(self.clone(), |m, &(context, kept)| {
             let halves = m.focal().iter().flat_map(|&(a, mass)| {
                 [(a, mass * kept), (moved(a, context), mass * (F::one() - kept))]
             });
-            gathered(halves)
-        }))
+            let corrected = gathered(halves);
+            check_closure(corrected.focal().len())?;
+            Ok(corrected)
+        })
     }
 }
 

@@ -2,8 +2,9 @@
 
 use std::collections::BTreeMap;
 
+use crate::closure::check_closure;
 use crate::number::sum;
-use crate::{Element, MassFunction, Number};
+use crate::{BeliefError, Element, MassFunction, Number};
 
 impl<F: Number> MassFunction<F> {
     /// K of two: the mass of pairs that exclude each other, Σ m₁(A) m₂(B) over A ∩ B = ∅ (Shafer 1976). In
@@ -21,13 +22,15 @@ impl<F: Number> MassFunction<F> {
     /// # use wisdom_belief::{Frame, MassFunction};
     /// let frame = Frame::shafer(["A", "B"])?;
     /// let m = MassFunction::parse(&frame, [("A", 0.5), ("B", 0.5)])?;
-    /// assert_eq!([1, 2, 3].map(|order| m.auto_conflict(order)), [0.0, 0.5, 0.75]);
+    /// assert_eq!([m.auto_conflict(1)?, m.auto_conflict(2)?, m.auto_conflict(3)?], [0.0, 0.5, 0.75]);
     /// # Ok::<(), wisdom_belief::BeliefError>(())
     /// ```
-    #[must_use]
-    pub fn auto_conflict(&self, order: u32) -> F {
+    ///
+    /// # Errors
+    /// [`BeliefError::TooManyElements`] if the focal elements have too many intersections.
+    pub fn auto_conflict(&self, order: u32) -> Result<F, BeliefError> {
         if order == 0 {
-            return F::zero();
+            return Ok(F::zero());
         }
         let mut fused: BTreeMap<Element, F> = self.focal().iter().copied().collect();
         for _ in 1..order {
@@ -36,10 +39,11 @@ impl<F: Number> MassFunction<F> {
                 for &(b, of_b) in self.focal() {
                     *next.entry(a & b).or_insert_with(F::zero) += of_a * of_b;
                 }
+                check_closure(next.len())?;
             }
             fused = next;
         }
-        fused.get(&Element::EMPTY).copied().unwrap_or_else(F::zero)
+        Ok(fused.get(&Element::EMPTY).copied().unwrap_or_else(F::zero))
     }
 
     /// Jousselme's distance d = √(½ Δᵀ D Δ), Δ = m₁ − m₂, D(A, B) = |A ∩ B| / |A ∪ B| (Jousselme, Grenier and

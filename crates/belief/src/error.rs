@@ -19,7 +19,7 @@ pub enum BeliefError {
     },
     /// An atom's name cannot be read back from an expression.
     #[error(
-        "atom name {name:?}; a name has no spaces, &, |, parentheses and is not `empty` or `Theta`"
+        "atom name {name:?}; a name has no spaces, &, |, parentheses or commas and is not `empty` or `Theta`"
     )]
     AtomName {
         /// The rejected name.
@@ -150,6 +150,14 @@ pub enum BeliefError {
         sources: usize,
         /// The rule.
         rule: crate::Rule,
+    },
+    /// A setting that only all sources together can have.
+    #[error(
+        "{setting} was given where two sources are taken at a time; it belongs to all of them at once"
+    )]
+    NotWhenFolding {
+        /// What was given.
+        setting: &'static str,
     },
     /// A rule that must visit every product of focal elements would visit too many.
     #[error("{products} products of focal elements; rule {rule} visits at most {limit}")]
@@ -332,6 +340,7 @@ impl BeliefError {
             Self::NotFreeModel { .. } => "not_free_model",
             Self::MassOnEmpty { .. } => "mass_on_empty",
             Self::TotalConflict { .. } | Self::Implausible { .. } => "total_conflict",
+            Self::NotWhenFolding { .. } => "not_when_folding",
             Self::TooManyProducts { .. } => "too_many_products",
             Self::PolicyNotAdmitted { .. } => "policy_not_admitted",
             Self::NotOnMaps { .. } => "not_on_maps",

@@ -173,6 +173,27 @@ impl Frame {
         Err(self.foreign(element))
     }
 
+    /// [`Frame::check`] of the focal elements of a source: all at once, since every combination begins with it.
+    pub(crate) fn check_focal<F>(&self, focal: &[(Element, F)]) -> Result<(), BeliefError> {
+        if self.model == Model::Shafer || self.atoms.len() == MAX_OVERLAPPING_ATOMS {
+            return focal.iter().try_for_each(|&(element, _)| self.check(element));
+        }
+        let theta = self.theta.0 as u64;
+        let strange = focal.iter().any(|(element, _)| !element.is_subset_of(self.theta));
+        let missing = self.within.iter().enumerate().fold(0, |missing, (atom, &within)| {
+            // Regions that an element must hold, since it holds what lies around them.
+            let without = !(within as u64);
+            focal.iter().fold(missing, |missing, (element, _)| {
+                let regions = element.0 as u64;
+                missing | ((regions & without) << (1_u32 << atom)) & theta & !regions
+            })
+        });
+        if strange || missing != 0 {
+            return focal.iter().try_for_each(|&(element, _)| self.check(element));
+        }
+        Ok(())
+    }
+
     pub(crate) fn foreign(&self, element: Element) -> BeliefError {
         BeliefError::ForeignElement { regions: element.0, atoms: self.atoms.join(", ") }
     }
@@ -215,7 +236,7 @@ fn regions_of(atom: usize, n: usize) -> u128 {
 
 fn check_names(atoms: &[String]) -> Result<(), BeliefError> {
     for (index, name) in atoms.iter().enumerate() {
-        let reserved = |c: char| c.is_whitespace() || matches!(c, '&' | '|' | '(' | ')');
+        let reserved = |c: char| c.is_whitespace() || matches!(c, '&' | '|' | '(' | ')' | ',');
         if name.is_empty() || name.contains(reserved) || name == "empty" || name == "Theta" {
             return Err(BeliefError::AtomName { name: name.clone() });
         }

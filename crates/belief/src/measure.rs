@@ -42,7 +42,7 @@ impl<F: Number> MassFunction<F> {
     }
 
     /// `DSmP_ε(A)`: each focal element's mass shared by its Venn regions in proportion to the masses already
-    /// committed to single regions, plus ε each (Dezert and Smarandache 2008), mass on ∅ taken out. ε ≥ 0;
+    /// committed to single regions, plus ε each (Dezert and Smarandache 2008), mass on ∅ taken out. ε ≥ 0 and finite;
     /// where nothing is committed, and with ε = 0, the shares are even (the limit ε → 0).
     #[must_use]
     pub fn dsmp(&self, a: Element, epsilon: F) -> F {

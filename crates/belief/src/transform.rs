@@ -129,13 +129,13 @@ impl<F: Number> MassFunction<F> {
 }
 
 pub(crate) fn check_epsilon<F: Number>(epsilon: F) -> Result<(), BeliefError> {
-    if epsilon >= F::zero() {
+    let value = epsilon.to_f64();
+    if (0.0..=MAX_EPSILON).contains(&value) {
         return Ok(());
     }
-    let expected = "at least 0";
-    Err(BeliefError::Parameter {
-        name: "epsilon",
-        value: epsilon.to_f64(),
-        expected: expected.to_owned(),
-    })
+    let expected = format!("from 0 to {MAX_EPSILON:e}");
+    Err(BeliefError::Parameter { name: "epsilon", value, expected })
 }
+
+/// The largest ε: beyond, sums with it would overflow, and long before that all masses count for nothing.
+const MAX_EPSILON: f64 = 1e30;

@@ -362,7 +362,9 @@ proptest! {
                     prop_assert_eq!(Ok(exactly(&found, &space.frame)), wanted, "{}", rule);
                 }
                 (Err(found), wanted) => {
-                    prop_assert_eq!(undefined(&found), wanted.err(), "{}", rule);
+                    let found = undefined(&found);
+                    prop_assert!(found.is_some(), "{}: another error than the definition knows", rule);
+                    prop_assert_eq!(found, wanted.err(), "{}", rule);
                 }
             }
         }

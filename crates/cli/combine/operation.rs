@@ -233,7 +233,7 @@ fn auto_conflict(case: &Case) -> Result<Answer, CaseError> {
         let message = format!("params.order is {order}; expected a whole number from 1 to 1e6");
         return Err(CaseError { code: "parameter", ..CaseError::malformed(message) });
     }
-    Ok(Answer::Scalar(case.only_source()?.auto_conflict(order as u32)))
+    Ok(Answer::Scalar(case.only_source()?.auto_conflict(order as u32)?))
 }
 
 /// The names of all operations, rules first, and what each does.

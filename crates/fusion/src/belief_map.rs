@@ -43,6 +43,7 @@ const CHUNK: usize = 1 << 16;
 ///
 /// # Errors
 /// As [`judge`] and [`Fusion::check`].
+#[expect(clippy::missing_panics_doc, reason = "what was checked above cannot be refused below")]
 pub fn belief_map(
     experts: &[Expert],
     layers: &BTreeMap<String, Layer>,

@@ -6,6 +6,10 @@ use wisdom_grid::{GridSpec, Raster};
 
 use crate::{Evidence, FusionError, Statistic};
 
+/// The most experts under a rule whose credit is shared by coalitions: 4096 of them, a tenth of a second a goal
+/// where the rule is slow.
+pub const MAX_EXPERTS: usize = 12;
+
 /// How evidence becomes interest; by default as in the paper.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Fusion {
@@ -31,9 +35,10 @@ impl Default for Fusion {
 }
 
 impl Fusion {
-    /// Whether so many experts can be fused this way. `dsmc` takes any number; of other rules each cell's map
-    /// or credit costs up to 3^S, and they take [`MAX_SOURCES`]. To be asked where rule and experts first
-    /// meet: in the mission's spec, not on the map.
+    /// Whether so many experts can be fused this way: under `dsmc` any number; under others [`MAX_EXPERTS`],
+    /// since [`credit`](crate::credit) asks what every coalition of them would have said; under `pcr5` and its
+    /// kin, which visit 3^S assignments a cell, [`MAX_SOURCES`]. To be asked where rule and experts first meet:
+    /// in the mission's spec, not on the map.
     ///
     /// # Errors
     /// [`FusionError::NotOnMaps`], [`FusionError::PolicyNotAdmitted`], [`FusionError::InagakiK`],
@@ -51,10 +56,15 @@ impl Fusion {
         if !(0.0..=1.0).contains(&k) {
             return Err(FusionError::InagakiK { k });
         }
-        if rule == Rule::Dsmc || experts <= MAX_SOURCES {
-            return Ok(());
+        let limit = match rule {
+            Rule::Dsmc => return Ok(()),
+            Rule::Pcr5 | Rule::Pcr5Plus | Rule::Pcr5Canonical => MAX_SOURCES,
+            _ => MAX_EXPERTS,
+        };
+        if experts > limit {
+            return Err(FusionError::TooManyExperts { experts, limit, rule });
         }
-        Err(FusionError::TooManyExperts { experts, limit: MAX_SOURCES, rule })
+        Ok(())
     }
 
     pub(crate) fn settings(&self) -> Settings<'static> {

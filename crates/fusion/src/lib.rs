@@ -12,6 +12,6 @@ pub use belief_map::belief_map;
 pub use credit::credit;
 pub use error::FusionError;
 pub use expert::{Evidence, Expert, judge};
-pub use interest_map::{Fusion, InterestMap, interest_map};
+pub use interest_map::{Fusion, InterestMap, MAX_EXPERTS, interest_map};
 pub use statistic::{DSMP_EPSILON, Statistic};
 pub use table::{Band, Class, LookupTable, Rows};

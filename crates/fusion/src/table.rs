@@ -169,18 +169,6 @@ impl LookupTable {
         self.masses[self.row_of(value).unwrap_or(self.masses.len() - 1)]
     }
 
-    /// The intervals `[lo, hi)` between bands that no band covers, lowest first: readings there are outside.
-    /// Classes have none.
-    #[must_use]
-    pub fn gaps(&self) -> Vec<(f64, f64)> {
-        let Rows::Bands(bands) = &self.rows else { return Vec::new() };
-        let sorted = by_lower_bound(bands);
-        let between = sorted.windows(2).map(|pair| (pair[0].hi, pair[1].lo));
-        between.filter(|&(lo, hi)| (lo as f32) < hi as f32).collect()
-    }
-}
-
-impl LookupTable {
     /// The table as intervals that follow each other over all readings: where they meet, in rising order, and
     /// the opinion of each. A class is the interval from its number up to the next number that f32 holds.
     pub(crate) fn intervals(&self) -> (Vec<f32>, Vec<Opinion>) {
@@ -206,6 +194,16 @@ impl LookupTable {
             opinions.extend([opinion, self.outside]);
         }
         (bounds, opinions)
+    }
+
+    /// The intervals `[lo, hi)` between bands that no band covers, lowest first: readings there are outside.
+    /// Classes have none.
+    #[must_use]
+    pub fn gaps(&self) -> Vec<(f64, f64)> {
+        let Rows::Bands(bands) = &self.rows else { return Vec::new() };
+        let sorted = by_lower_bound(bands);
+        let between = sorted.windows(2).map(|pair| (pair[0].hi, pair[1].lo));
+        between.filter(|&(lo, hi)| (lo as f32) < hi as f32).collect()
     }
 }
 

@@ -329,12 +329,37 @@ fn nobody_and_namesakes_cannot_judge() {
 }
 
 #[test]
-fn rules_that_enumerate_take_eight_experts_and_dsmc_any_number() {
+fn how_many_experts_a_rule_takes_depends_on_what_they_cost() {
     assert_eq!(by(Rule::Dsmc).check(100), Ok(()));
-    for rule in [Rule::Dempster, Rule::Pcr6] {
-        assert_eq!(by(rule).check(8), Ok(()));
-        let refused = FusionError::TooManyExperts { experts: 9, limit: 8, rule };
-        assert_eq!(by(rule).check(9), Err(refused));
+    for (rule, limit) in
+        [(Rule::Dempster, 12), (Rule::Pcr6, 12), (Rule::Pcr5, 8), (Rule::Pcr5Plus, 8)]
+    {
+        assert_eq!(by(rule).check(limit), Ok(()));
+        let experts = limit + 1;
+        let refused = FusionError::TooManyExperts { experts, limit, rule };
+        assert_eq!(by(rule).check(experts), Err(refused));
+    }
+}
+
+/// As many experts as there may be, most of whom have not seen the cell.
+#[test]
+fn twelve_experts_are_fused_and_credited() {
+    let mut panel = experts();
+    for number in 3..12 {
+        let name = format!("dem-{number}");
+        panel.push(Expert { name, ..panel[0].clone() });
+    }
+    let cell = [(6.088, 0.7), (4.0, 0.66), (10.23, 0.19)];
+    let evidence = judge(&panel, &layers(&[cell])).expect("twelve experts");
+    for rule in [Rule::Pcr6, Rule::Pcr6Plus, Rule::Cautious] {
+        let fusion = by(rule);
+        let map = interest_map(&evidence, &fusion);
+        let straight = belief_map(&panel, &layers(&[cell]), &fusion).expect("a map");
+        assert_near(straight[BORDER], map.interest[BORDER].into(), PLANE);
+        let shares = credit(&evidence, &fusion, BORDER);
+        assert_near(shares.iter().sum::<f64>(), 1.0, 1e-9);
+        // The same reading by the same table earns the same.
+        assert!(shares[3..].iter().all(|share| (share - shares[0]).abs() < 1e-9), "{shares:?}");
     }
 }
 

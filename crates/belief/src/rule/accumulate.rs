@@ -94,14 +94,25 @@ impl<M: Mask, F: Number> Accumulator<M, F> {
 
     /// The mass of an element, 0 if it has none.
     pub(super) fn mass(&self, element: M) -> F {
-        let found = self.entries().iter().find(|&&(known, _)| known == element);
-        found.map_or(F::zero(), |&(_, mass)| mass)
+        self.place(element).map_or(F::zero(), |place| self.entries[place].1)
+    }
+
+    fn place(&self, element: M) -> Option<usize> {
+        let last = self.slots.len() - 1;
+        let mut slot = (element.hash() >> self.shift) as usize & last;
+        loop {
+            match self.slots[slot] as usize {
+                0 => return None,
+                place if self.entries[place].0 == element => return Some(place),
+                _ => slot = (slot + 1) & last,
+            }
+        }
     }
 
     /// Takes the mass of an element, which is 0 then.
     pub(super) fn take(&mut self, element: M) -> F {
-        let found = self.entries[1..self.end].iter_mut().find(|(known, _)| *known == element);
-        found.map_or(F::zero(), |(_, mass)| std::mem::replace(mass, F::zero()))
+        let place = self.place(element);
+        place.map_or(F::zero(), |place| std::mem::replace(&mut self.entries[place].1, F::zero()))
     }
 
     /// Replaces each sum.

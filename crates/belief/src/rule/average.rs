@@ -29,8 +29,10 @@ pub(super) fn weights<F: Number>(
     settings: &Settings<'_>,
 ) -> Result<Vec<F>, BeliefError> {
     settings.check_weights(sources)?;
-    let given = settings.weights.map(|given| given.iter().map(|&w| F::from_f64(w)).collect());
-    Ok(given.unwrap_or_else(|| vec![F::one(); sources]))
+    let Some(given) = settings.weights else { return Ok(vec![F::one(); sources]) };
+    // Only their ratios count; the largest becomes 1, so that no sum of them is too large for a number.
+    let largest = F::from_f64(given.iter().fold(0.0, |largest, &weight| weight.max(largest)));
+    Ok(given.iter().map(|&weight| F::from_f64(weight) / largest).collect())
 }
 
 /// The mean in `sums`, combined with itself by Dempster's rule as often as there are sources (Murphy 2000).
@@ -43,7 +45,7 @@ pub(super) fn with_itself<M: Mask, F: Number>(
     let mut mean = Vec::new();
     sums.drain_into(&mut mean);
     let copies = std::iter::repeat_n(mean.as_slice(), sources);
-    conjunctive::gather(copies, |x, y| x & y, so_far, sums)?;
+    conjunctive::gather_survivors(copies, so_far, sums)?;
     conjunctive::normalise(sums, sources, rule)
 }
 

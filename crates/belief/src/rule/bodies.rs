@@ -34,9 +34,7 @@ impl<M: Mask, F: Number> Bodies<M, F> {
         self.named.clear();
         let given_on = settings.source_frame.unwrap_or(frame);
         for (index, source) in sources.iter().enumerate() {
-            for &(element, _) in source.focal() {
-                given_on.check(element)?;
-            }
+            given_on.check_focal(source.focal())?;
             let empty = source.conflict();
             if empty > F::zero() && !rule.takes_mass_on_empty() {
                 return Err(BeliefError::MassOnEmpty { index, mass: empty.to_f64(), rule });
@@ -110,19 +108,5 @@ impl<M: Mask, F: Number> Bodies<M, F> {
     /// How many ways there are to choose one focal element from each source (saturating).
     pub(super) fn products(&self) -> u64 {
         self.iter().fold(1, |products: u64, body| products.saturating_mul(body.len() as u64))
-    }
-
-    /// Where the element at a place comes up first.
-    pub(super) fn first(&self, place: usize) -> usize {
-        let element = self.focal[place].0;
-        let first = self.focal.iter().position(|&(known, _)| known == element);
-        first.expect("the element at this place")
-    }
-
-    /// c(X): what all sources together give to the element at a place.
-    pub(super) fn column(&self, place: usize) -> F {
-        let element = self.focal[place].0;
-        let column = self.focal.iter().filter(|&&(known, _)| known == element);
-        crate::number::sum(column.map(|&(_, mass)| mass))
     }
 }

@@ -6,6 +6,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use crate::closure::check_closure;
 use crate::condition::gathered;
 use crate::decomposition::Weights;
 use crate::{BeliefError, Element, Frame, MassFunction, Number};
@@ -22,7 +23,7 @@ pub(super) fn cautious<F: Number>(
         |(index, m): (usize, &MassFunction<F>)| m.conjunctive_weights_of_source(index, frame);
     let weights = sources.iter().enumerate().map(weights).collect::<Result<Vec<_>, _>>()?;
     let Some(first) = sources.first() else { return Ok(MassFunction::vacuous(frame)) };
-    Ok(combine_smallest(first, &weights, |a, b| a & b))
+    combine_smallest(first, &weights, |a, b| a & b)
 }
 
 /// The bold disjunctive rule. Without sources: total ignorance.
@@ -37,7 +38,7 @@ pub(super) fn bold<F: Number>(
         |(index, m): (usize, &MassFunction<F>)| m.disjunctive_weights_of_source(index, frame);
     let weights = sources.iter().enumerate().map(weights).collect::<Result<Vec<_>, _>>()?;
     let Some(first) = sources.first() else { return Ok(MassFunction::vacuous(frame)) };
-    Ok(combine_smallest(first, &weights, |a, b| a | b))
+    combine_smallest(first, &weights, |a, b| a | b)
 }
 
 /// The first source, its weights brought down to the smallest of all sources.
@@ -45,7 +46,7 @@ fn combine_smallest<F: Number>(
     first: &MassFunction<F>,
     weights: &[Weights<F>],
     operation: impl Fn(Element, Element) -> Element,
-) -> MassFunction<F> {
+) -> Result<MassFunction<F>, BeliefError> {
     let listed: BTreeSet<Element> =
         weights.iter().flat_map(Weights::listed).map(|&(element, _)| element).collect();
     let mut fused: BTreeMap<Element, F> = first.focal().iter().copied().collect();
@@ -54,9 +55,10 @@ fn combine_smallest<F: Number>(
         let smallest = weights.iter().fold(own, |least, source| least.least(source.of(element)));
         if smallest < own {
             with_simple(&mut fused, element, smallest / own, &operation);
+            check_closure(fused.len())?;
         }
     }
-    gathered(fused.into_iter())
+    Ok(gathered(fused.into_iter()))
 }
 
 /// Combines with the simple mass function that gives `weight` to the operation's neutral element, and the rest

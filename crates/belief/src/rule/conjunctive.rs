@@ -30,6 +30,10 @@ pub fn conflict<F: Number>(sources: &[MassFunction<F>], frame: &Frame) -> Result
 /// The most focal elements that are combined with a further source: a hundred megabytes of them.
 const MAX_FOCAL: usize = 1 << 20;
 
+/// Products are scaled when the largest is below this or above its inverse: far within what f32 can hold,
+/// times itself or not.
+const SMALL: f64 = 1e-12;
+
 /// Adds up the products of all sources at their intersections or unions. Either operation is associative, so
 /// one source after another is the same as all at once and visits far fewer products.
 pub(super) fn gather<'a, M: Mask + 'a, F: Number>(
@@ -42,12 +46,42 @@ pub(super) fn gather<'a, M: Mask + 'a, F: Number>(
     let mut bodies = bodies.into_iter();
     sums.add_each(bodies.next().unwrap_or(&[]), |element, mass| (element, mass));
     for body in bodies {
-        if sums.entries().len() > MAX_FOCAL {
-            return Err(BeliefError::TooManyElements { limit: MAX_FOCAL });
-        }
         sums.drain_into(so_far);
         for &(x, of_x) in so_far.iter() {
             sums.add_each(body, |y, of_y| (operation(x, y), of_x * of_y));
+            if sums.entries().len() > MAX_FOCAL {
+                return Err(BeliefError::TooManyElements { limit: MAX_FOCAL });
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The conjunctive rule up to a factor and without ∅, for rules that scale what survives: with very many sources
+/// the products themselves would fall below the least number there is.
+pub(super) fn gather_survivors<'a, M: Mask + 'a, F: Number>(
+    bodies: impl Iterator<Item = &'a [(M, F)]>,
+    so_far: &mut Vec<(M, F)>,
+    sums: &mut Accumulator<M, F>,
+) -> Result<(), BeliefError> {
+    sums.clear();
+    let mut bodies = bodies.into_iter();
+    sums.add_each(bodies.next().unwrap_or(&[]), |element, mass| (element, mass));
+    for body in bodies {
+        sums.take(M::EMPTY);
+        sums.drain_into(so_far);
+        let largest = so_far.iter().fold(F::zero(), |largest, &(_, mass)| largest.greatest(mass));
+        // Either way: Zhang's factors are above 1.
+        if largest > F::zero() && !(SMALL..1.0 / SMALL).contains(&largest.to_f64()) {
+            for (_, mass) in so_far.iter_mut() {
+                *mass = *mass / largest;
+            }
+        }
+        for &(x, of_x) in so_far.iter() {
+            sums.add_each(body, |y, of_y| (x & y, of_x * of_y));
+            if sums.entries().len() > MAX_FOCAL {
+                return Err(BeliefError::TooManyElements { limit: MAX_FOCAL });
+            }
         }
     }
     Ok(())
@@ -97,6 +131,7 @@ pub(super) fn inagaki<M: Mask, F: Number>(
 /// Zhang's centre combination (1994): each product times |∩| / Π|X|, which factors over the sources.
 pub(super) fn zhang<M: Mask, F: Number>(
     bodies: &Bodies<M, F>,
+    theta: M,
     so_far: &mut Vec<(M, F)>,
     sums: &mut Accumulator<M, F>,
 ) -> Result<(), BeliefError> {
@@ -104,10 +139,12 @@ pub(super) fn zhang<M: Mask, F: Number>(
         .iter()
         .map(|body| {
             let possible = body.iter().filter(|(element, _)| !element.is_empty());
-            possible.map(|&(x, mass)| (x, mass / F::count(x.cardinality()))).collect()
+            // Times |Θ|, which is a factor of all: a source that knows nothing then changes nothing at all.
+            let weight = |x: M| F::count(theta.cardinality()) / F::count(x.cardinality());
+            possible.map(|&(x, mass)| (x, mass * weight(x))).collect()
         })
         .collect();
-    gather(thinned.iter().map(Vec::as_slice), |x, y| x & y, so_far, sums)?;
+    gather_survivors(thinned.iter().map(Vec::as_slice), so_far, sums)?;
     sums.scale(|x, mass| mass * F::count(x.cardinality()));
     normalise(sums, bodies.len(), Rule::Zhang)
 }

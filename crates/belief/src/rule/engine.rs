@@ -4,7 +4,7 @@ use super::accumulate::Accumulator;
 use super::bodies::Bodies;
 use super::mask::Mask;
 use super::proportional::{Shares, pcr6, redistribute, redistribute_whole};
-use super::walk::check_products;
+use super::walk::{Odometer, check_products, check_sources};
 use super::{Rule, Settings, average, cautious, conjunctive, hybrid};
 use crate::{BeliefError, Element, Frame, MassFunction, Number};
 
@@ -69,7 +69,7 @@ pub fn combine_with<F: Number>(
 /// not that of [`combine`].
 ///
 /// # Errors
-/// As [`Workspace::combine_with`]; [`BeliefError::Parameter`] for weights, which belong to all sources at once,
+/// As [`Workspace::combine_with`]; [`BeliefError::NotWhenFolding`] for weights, which belong to all sources at once,
 /// and for a source model, which an intermediate result no longer has.
 pub fn fold<F: Number>(
     rule: Rule,
@@ -77,14 +77,11 @@ pub fn fold<F: Number>(
     frame: &Frame,
     settings: &Settings<'_>,
 ) -> Result<MassFunction<F>, BeliefError> {
-    let setting = |name, value, expected: &str| {
-        Err(BeliefError::Parameter { name, value, expected: expected.to_owned() })
-    };
-    if let Some(weights) = settings.weights {
-        return setting("weights", weights.len() as f64, "none where two are taken at a time");
+    if settings.weights.is_some() {
+        return Err(BeliefError::NotWhenFolding { setting: "weights" });
     }
     if settings.source_frame.is_some() {
-        return setting("source_model", 1.0, "none where two are taken at a time");
+        return Err(BeliefError::NotWhenFolding { setting: "a source model" });
     }
     let Some((first, rest)) = sources.split_first() else {
         return Ok(MassFunction::vacuous(frame));
@@ -167,7 +164,7 @@ impl<F: Number> Workspace<F> {
     /// - [`BeliefError::Dogmatic`] for `cautious` if a source has no mass on Θ, [`BeliefError::Normal`] for `bold`
     ///   if one has none on ∅;
     /// - [`BeliefError::Parameter`] for a setting out of range;
-    /// - [`BeliefError::TooManyProducts`] for a rule that visits every product of focal elements,
+    /// - [`BeliefError::TooManyProducts`] or [`BeliefError::TooManySources`] for a rule that visits every product of focal elements,
     ///   [`BeliefError::TooManyElements`] where so many come up that nobody could use them.
     pub fn combine_with(
         &mut self,
@@ -195,7 +192,7 @@ struct Engine<M, F> {
     bodies: Bodies<M, F>,
     sums: Accumulator<M, F>,
     so_far: Vec<(M, F)>,
-    places: Vec<usize>,
+    odometer: Odometer<M, F>,
     shares: Shares<M, F>,
     bins: Vec<u8>,
 }
@@ -206,7 +203,7 @@ impl<M: Mask, F: Number> Engine<M, F> {
             bodies: Bodies::new(),
             sums: Accumulator::new(),
             so_far: Vec::new(),
-            places: Vec::new(),
+            odometer: Odometer::new(),
             shares: Shares::new(),
             bins: Vec::new(),
         }
@@ -239,7 +236,7 @@ impl<M: Mask, F: Number> Engine<M, F> {
         settings: &Settings<'_>,
     ) -> Result<(), BeliefError> {
         let theta = M::of(frame.theta());
-        let Self { bodies, sums, so_far, places, shares, .. } = self;
+        let Self { bodies, sums, so_far, odometer, shares, .. } = self;
         if rule.starts_from_meets() {
             conjunctive::gather(bodies.iter(), |x, y| x & y, so_far, sums)?;
         }
@@ -248,19 +245,22 @@ impl<M: Mask, F: Number> Engine<M, F> {
         }
         match rule {
             Rule::Dsmc | Rule::Conjunctive => {}
-            Rule::Dempster => conjunctive::normalise(sums, bodies.len(), rule)?,
+            Rule::Dempster => {
+                conjunctive::gather_survivors(bodies.iter(), so_far, sums)?;
+                conjunctive::normalise(sums, bodies.len(), rule)?;
+            }
             Rule::Yager => conjunctive::inagaki(sums, theta, 0.0)?,
             Rule::Inagaki => conjunctive::inagaki(sums, theta, settings.inagaki_k)?,
             Rule::Disjunctive => conjunctive::gather(bodies.iter(), |x, y| x | y, so_far, sums)?,
-            Rule::Zhang => conjunctive::zhang(bodies, so_far, sums)?,
+            Rule::Zhang => conjunctive::zhang(bodies, theta, so_far, sums)?,
             Rule::Florea => conjunctive::florea(bodies, so_far, sums)?,
-            Rule::DuboisPrade => hybrid::dubois_prade(bodies, theta, places, sums),
-            Rule::Dsmh => hybrid::dsmh(bodies, theta, places, sums),
-            Rule::Jaccard => hybrid::jaccard(bodies, theta, places, sums)?,
-            Rule::MinC => hybrid::minc(bodies, theta, places, sums),
-            Rule::Pcr6 => pcr6(bodies, theta, places, shares, sums),
+            Rule::DuboisPrade => hybrid::dubois_prade(bodies, theta, odometer, sums),
+            Rule::Dsmh => hybrid::dsmh(bodies, theta, odometer, sums),
+            Rule::Jaccard => hybrid::jaccard(bodies, theta, odometer, sums)?,
+            Rule::MinC => hybrid::minc(bodies, theta, odometer, sums),
+            Rule::Pcr6 => pcr6(bodies, theta, odometer, shares, sums),
             Rule::Pcr1 | Rule::Pcr2 | Rule::Urr => {
-                redistribute_whole(rule, bodies, theta, places, shares, sums);
+                redistribute_whole(rule, bodies, theta, odometer, shares, sums);
             }
             Rule::Pcr3
             | Rule::Pcr4
@@ -269,7 +269,7 @@ impl<M: Mask, F: Number> Engine<M, F> {
             | Rule::Pcr5Canonical
             | Rule::Pcr6Plus
             | Rule::Pcr6Canonical
-            | Rule::Purr => redistribute(rule, bodies, theta, places, shares, sums),
+            | Rule::Purr => redistribute(rule, bodies, theta, odometer, shares, sums),
             Rule::Average => {
                 average::average(bodies, &average::weights(bodies.len(), settings)?, sums);
             }
@@ -278,6 +278,7 @@ impl<M: Mask, F: Number> Engine<M, F> {
                 average::with_itself(rule, bodies.len(), so_far, sums)?;
             }
             Rule::Deng => {
+                check_sources(rule, bodies.len())?;
                 average::average(bodies, &average::credibility(bodies), sums);
                 average::with_itself(rule, bodies.len(), so_far, sums)?;
             }
@@ -350,7 +351,8 @@ impl Rule {
     const fn starts_from_meets(self) -> bool {
         !matches!(
             self,
-            Self::Disjunctive
+            Self::Dempster
+                | Self::Disjunctive
                 | Self::Zhang
                 | Self::Florea
                 | Self::Jaccard

@@ -3,7 +3,7 @@
 use super::accumulate::Accumulator;
 use super::bodies::Bodies;
 use super::mask::Mask;
-use super::walk::{Choice, each_choice};
+use super::walk::{Choice, Odometer};
 use super::{Rule, conjunctive};
 use crate::{BeliefError, Number};
 
@@ -16,11 +16,11 @@ fn union<M: Mask, F: Number>(bodies: &Bodies<M, F>, places: &[usize]) -> M {
 pub(super) fn dubois_prade<M: Mask, F: Number>(
     bodies: &Bodies<M, F>,
     theta: M,
-    places: &mut Vec<usize>,
+    odometer: &mut Odometer<M, F>,
     sums: &mut Accumulator<M, F>,
 ) {
     sums.take(M::EMPTY);
-    each_choice(bodies, theta, places, &mut |Choice { places, meet, product }| {
+    odometer.each_choice(bodies, bodies.len(), theta, |Choice { places, meet, product }| {
         let union = union(bodies, places);
         if meet.is_empty() && !union.is_empty() {
             sums.add(union, product);
@@ -34,11 +34,11 @@ pub(super) fn dubois_prade<M: Mask, F: Number>(
 pub(super) fn dsmh<M: Mask, F: Number>(
     bodies: &Bodies<M, F>,
     theta: M,
-    places: &mut Vec<usize>,
+    odometer: &mut Odometer<M, F>,
     sums: &mut Accumulator<M, F>,
 ) {
     sums.take(M::EMPTY);
-    each_choice(bodies, theta, places, &mut |Choice { places, meet, product }| {
+    odometer.each_choice(bodies, bodies.len(), theta, |Choice { places, meet, product }| {
         if !meet.is_empty() {
             return;
         }
@@ -56,11 +56,11 @@ pub(super) fn dsmh<M: Mask, F: Number>(
 pub(super) fn jaccard<M: Mask, F: Number>(
     bodies: &Bodies<M, F>,
     theta: M,
-    places: &mut Vec<usize>,
+    odometer: &mut Odometer<M, F>,
     sums: &mut Accumulator<M, F>,
 ) -> Result<(), BeliefError> {
     sums.clear();
-    each_choice(bodies, theta, places, &mut |Choice { places, meet, product }| {
+    odometer.each_choice(bodies, bodies.len(), theta, |Choice { places, meet, product }| {
         if !meet.is_empty() {
             let union = F::count(union(bodies, places).cardinality());
             sums.add(meet, product * F::count(meet.cardinality()) / union);
@@ -74,12 +74,12 @@ pub(super) fn jaccard<M: Mask, F: Number>(
 pub(super) fn minc<M: Mask, F: Number>(
     bodies: &Bodies<M, F>,
     theta: M,
-    places: &mut Vec<usize>,
+    odometer: &mut Odometer<M, F>,
     sums: &mut Accumulator<M, F>,
 ) {
     sums.take(M::EMPTY);
     let mut conflicts = Accumulator::new();
-    each_choice(bodies, theta, places, &mut |Choice { places, meet, product }| {
+    odometer.each_choice(bodies, bodies.len(), theta, |Choice { places, meet, product }| {
         if meet.is_empty() {
             conflicts.add(union(bodies, places), product);
         }

@@ -8,7 +8,7 @@ use super::Rule;
 use super::accumulate::Accumulator;
 use super::bodies::Bodies;
 use super::mask::Mask;
-use super::walk::{Choice, each_choice};
+use super::walk::{Choice, Odometer};
 use crate::Number;
 use crate::number::sum;
 
@@ -19,10 +19,12 @@ pub(super) struct Shares<M, F> {
     by_place: Vec<F>,
     /// What nobody may take.
     unclaimed: F,
-    /// The distinct elements of one product, or of all sources.
+    /// The distinct elements of one product.
     groups: Vec<Group<M, F>>,
-    /// Those of one product while `groups` holds those of all.
-    of_product: Vec<Group<M, F>>,
+    /// What all sources together give to each element.
+    columns: Accumulator<M, F>,
+    /// The elements that take a share of the whole conflict, and their weights.
+    takers: Accumulator<M, F>,
 }
 
 /// The sources of one product that said the same.
@@ -40,7 +42,8 @@ impl<M: Mask, F: Number> Shares<M, F> {
             by_place: Vec::new(),
             unclaimed: F::zero(),
             groups: Vec::new(),
-            of_product: Vec::new(),
+            columns: Accumulator::new(),
+            takers: Accumulator::new(),
         }
     }
 
@@ -78,25 +81,37 @@ impl<M: Mask, F: Number> Shares<M, F> {
 pub(super) fn pcr6<M: Mask, F: Number>(
     bodies: &Bodies<M, F>,
     theta: M,
-    places: &mut Vec<usize>,
+    odometer: &mut Odometer<M, F>,
     shares: &mut Shares<M, F>,
     sums: &mut Accumulator<M, F>,
 ) {
     sums.take(M::EMPTY);
     shares.clear(bodies.focal().len());
-    places.clear();
-    let none = Prefix { meet: theta, product: F::one(), weight: F::zero() };
-    pcr6_from(bodies, none, places, shares);
+    let Shares { by_place, unclaimed, .. } = shares;
+    let last = bodies.range(bodies.len() - 1);
+    odometer.each_choice(bodies, bodies.len() - 1, theta, |Choice { places, meet, product }| {
+        let weight = sum(places.iter().map(|&place| claim(bodies.focal()[place])));
+        let mut of_each_unit = F::zero();
+        for place in last.clone() {
+            let (element, mass) = bodies.focal()[place];
+            if !(meet & element).is_empty() {
+                continue;
+            }
+            let claim = claim((element, mass));
+            let (conflict, whole) = (product * mass, weight + claim);
+            if whole > F::zero() {
+                let of_a_unit = conflict / whole;
+                by_place[place] += of_a_unit * claim;
+                of_each_unit += of_a_unit;
+            } else {
+                *unclaimed += conflict;
+            }
+        }
+        for &place in places {
+            by_place[place] += of_each_unit * claim(bodies.focal()[place]);
+        }
+    });
     shares.add_to(sums, bodies, theta);
-}
-
-/// What the elements chosen so far come to.
-#[derive(Clone, Copy)]
-struct Prefix<M, F> {
-    meet: M,
-    product: F,
-    /// The sum of the masses of those that may take a share.
-    weight: F,
 }
 
 /// The mass with which a focal element asks for its share.
@@ -105,58 +120,20 @@ fn claim<M: Mask, F: Number>((element, mass): (M, F)) -> F {
     if element.is_empty() { F::zero() } else { mass }
 }
 
-fn pcr6_from<M: Mask, F: Number>(
-    bodies: &Bodies<M, F>,
-    Prefix { meet, product, weight }: Prefix<M, F>,
-    places: &mut Vec<usize>,
-    shares: &mut Shares<M, F>,
-) {
-    let range = bodies.range(places.len());
-    if places.len() + 1 < bodies.len() {
-        for place in range {
-            let (element, mass) = bodies.focal()[place];
-            let weight = weight + claim((element, mass));
-            places.push(place);
-            let next = Prefix { meet: meet & element, product: product * mass, weight };
-            pcr6_from(bodies, next, places, shares);
-            places.pop();
-        }
-        return;
-    }
-    let mut of_each_unit = F::zero();
-    for place in range {
-        let (element, mass) = bodies.focal()[place];
-        if !(meet & element).is_empty() {
-            continue;
-        }
-        let claim = claim((element, mass));
-        let (conflict, whole) = (product * mass, weight + claim);
-        if whole > F::zero() {
-            let of_a_unit = conflict / whole;
-            shares.by_place[place] += of_a_unit * claim;
-            of_each_unit += of_a_unit;
-        } else {
-            shares.unclaimed += conflict;
-        }
-    }
-    for &place in places.iter() {
-        shares.by_place[place] += of_each_unit * claim(bodies.focal()[place]);
-    }
-}
-
 /// The rules that redistribute product by product among the elements of the product.
 pub(super) fn redistribute<M: Mask, F: Number>(
     rule: Rule,
     bodies: &Bodies<M, F>,
     theta: M,
-    places: &mut Vec<usize>,
+    odometer: &mut Odometer<M, F>,
     shares: &mut Shares<M, F>,
     sums: &mut Accumulator<M, F>,
 ) {
     sums.take(M::EMPTY);
     shares.clear(bodies.focal().len());
-    let weights = Weights::new(rule, bodies, sums);
-    each_choice(bodies, theta, places, &mut |Choice { places, meet, product }| {
+    shares.columns.sum_up(bodies);
+    let weights = Weights::new(rule, bodies, sums, &shares.columns);
+    odometer.each_choice(bodies, bodies.len(), theta, |Choice { places, meet, product }| {
         if meet.is_empty() {
             weights.group(bodies, places, &mut shares.groups);
             shares.share(product);
@@ -190,15 +167,18 @@ enum Takers {
 }
 
 impl<F: Number> Weights<F> {
-    fn new<M: Mask>(rule: Rule, bodies: &Bodies<M, F>, met: &Accumulator<M, F>) -> Self {
-        let places = 0..bodies.focal().len();
-        let columns = || places.clone().map(|place| bodies.column(place)).collect();
+    fn new<M: Mask>(
+        rule: Rule,
+        bodies: &Bodies<M, F>,
+        met: &Accumulator<M, F>,
+        columns: &Accumulator<M, F>,
+    ) -> Self {
+        let by_place = |sums: &Accumulator<M, F>| {
+            bodies.focal().iter().map(|&(element, _)| sums.mass(element)).collect()
+        };
         match rule {
-            Rule::Pcr3 => Self::Columns(columns()),
-            Rule::Pcr4 => Self::Met {
-                met: bodies.focal().iter().map(|&(element, _)| met.mass(element)).collect(),
-                columns: columns(),
-            },
+            Rule::Pcr3 => Self::Columns(by_place(columns)),
+            Rule::Pcr4 => Self::Met { met: by_place(met), columns: by_place(columns) },
             Rule::Pcr5 => Self::Products(Takers::All),
             Rule::Pcr5Plus => Self::Products(Takers::Kept),
             Rule::Pcr5Canonical => Self::Products(Takers::Minimal),
@@ -277,7 +257,8 @@ fn is_minimal<M: Mask, F: Number>(groups: &[Group<M, F>], index: usize) -> bool 
 /// otherwise unless it contains every other element that is no larger.
 fn keep<M: Mask, F: Number>(groups: &mut [Group<M, F>]) {
     let size = |group: &Group<M, F>| group.element.cardinality();
-    groups.sort_by_key(|group| std::cmp::Reverse(size(group)));
+    // What comes first among equally large ones does not matter: a taker must be strictly larger.
+    groups.sort_unstable_by_key(|group| std::cmp::Reverse(size(group)));
     for index in 0..groups.len() {
         let Group { element, .. } = groups[index];
         let larger = groups[..index].iter().any(|g| g.takes && size(g) > element.cardinality());
@@ -295,47 +276,40 @@ pub(super) fn redistribute_whole<M: Mask, F: Number>(
     rule: Rule,
     bodies: &Bodies<M, F>,
     theta: M,
-    places: &mut Vec<usize>,
+    odometer: &mut Odometer<M, F>,
     shares: &mut Shares<M, F>,
     sums: &mut Accumulator<M, F>,
 ) {
     let conflict = sums.take(M::EMPTY);
-    shares.clear(bodies.focal().len());
-    let Shares { groups, of_product, .. } = shares;
-    distinct(bodies, groups);
-    match rule {
-        Rule::Urr => {
-            for group in groups.iter_mut() {
-                group.weight = F::one();
+    let Shares { columns, takers, groups, .. } = shares;
+    columns.sum_up(bodies);
+    takers.clear();
+    if rule == Rule::Pcr2 {
+        odometer.each_choice(bodies, bodies.len(), theta, |Choice { places, meet, .. }| {
+            if meet.is_empty() {
+                Weights::Sums(Takers::Minimal).group(bodies, places, groups);
+                let minimal = groups.iter().filter(|group| group.takes);
+                minimal.for_each(|group| takers.add(group.element, F::zero()));
             }
-        }
-        Rule::Pcr2 if conflict > F::zero() => {
-            for group in groups.iter_mut() {
-                group.takes = false;
-            }
-            each_choice(bodies, theta, places, &mut |Choice { places, meet, .. }| {
-                if !meet.is_empty() {
-                    return;
-                }
-                Weights::Sums(Takers::Minimal).group(bodies, places, of_product);
-                for found in of_product.iter().filter(|found| found.takes) {
-                    let known = groups.iter_mut().find(|group| group.element == found.element);
-                    known.expect("every focal element has a group").takes = true;
-                }
-            });
-        }
-        _ => {}
+        });
+        takers.scale(|element, _| columns.mass(element));
+    } else {
+        let weight = |column| if rule == Rule::Urr { F::one() } else { column };
+        takers.add_each(columns.entries(), |element, column| (element, weight(column)));
     }
-    shares.share(conflict);
-    shares.add_to(sums, bodies, theta);
+    let whole = sum(takers.entries().iter().map(|&(_, weight)| weight));
+    if whole > F::zero() {
+        sums.add_each(takers.entries(), |element, weight| (element, conflict * weight / whole));
+    } else {
+        sums.add(theta, conflict);
+    }
 }
 
-/// The distinct elements of all sources, weighed by what all sources together give.
-fn distinct<M: Mask, F: Number>(bodies: &Bodies<M, F>, groups: &mut Vec<Group<M, F>>) {
-    groups.clear();
-    for (place, &(element, _)) in bodies.focal().iter().enumerate() {
-        if !element.is_empty() && bodies.first(place) == place {
-            groups.push(Group { place, element, weight: bodies.column(place), takes: true });
-        }
+impl<M: Mask, F: Number> Accumulator<M, F> {
+    /// c(X): what all sources together give to each element; ∅ aside, which takes no share.
+    fn sum_up(&mut self, bodies: &Bodies<M, F>) {
+        self.clear();
+        let said = bodies.focal().iter().filter(|(element, _)| !element.is_empty());
+        said.for_each(|&(element, mass)| self.add(element, mass));
     }
 }
