@@ -44,7 +44,7 @@ enum Command {
     Check(check::CheckArgs),
     /// List the rules of combination, or explain one.
     Rules(rules::RulesArgs),
-    /// Combine belief functions: JSON lines in, JSON lines out.
+    // Without a doc comment: one here would hide that of `CombineArgs`, which says what to write.
     Combine(combine::CombineArgs),
     /// Recompute the paper's tables, equations and claims, beside the printed values.
     Paper(paper::PaperArgs),

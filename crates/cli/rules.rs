@@ -6,6 +6,8 @@ use std::process::ExitCode;
 use serde_json::json;
 use wisdom_belief::Rule;
 
+use crate::combine::operation;
+
 /// List the rules of combination, or explain one.
 #[derive(clap::Args, Debug)]
 pub(crate) struct RulesArgs {
@@ -28,15 +30,16 @@ pub(crate) fn run(args: &RulesArgs) -> anyhow::Result<ExitCode> {
     };
     if args.json {
         for rule in rules {
-            let algebra = rule.algebra();
+            let (algebra, params) = (rule.algebra(), operation::rule_params(rule));
             let object = json!({
                 "name": rule.name(),
+                "operation": operation::rule_name(rule),
                 "summary": rule.summary(),
                 "on_maps": rule.on_maps(),
-                "commutative": true,
                 "associative": algebra.associative,
                 "vacuous_is_neutral": algebra.vacuous_is_neutral,
                 "idempotent": algebra.idempotent,
+                "params": params.iter().map(|param| param.name).collect::<Vec<_>>(),
             });
             writeln!(out, "{object}")?;
         }

@@ -1,16 +1,21 @@
 //! One line of input: a case, read and checked.
 
+use std::collections::BTreeSet;
 use std::fmt;
 
 use serde::de::{Deserialize, Deserializer, IgnoredAny, MapAccess, Visitor};
+use serde_json::value::RawValue;
 use serde_json::{Map, Value};
 use wisdom_belief::{BeliefError, Element, Frame, MassFunction};
+
+use super::json::{Object, Strict};
+
+/// The `id` of a case, byte for byte as it was written; none where it is absent, null or unreadable.
+pub(super) type Id = Option<Box<RawValue>>;
 
 /// Why a case has no answer.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct CaseError {
-    /// The `id` of the case, if it could be read.
-    pub(super) id: Value,
     /// The kind, as one word.
     pub(super) code: &'static str,
     /// What was found and what was expected.
@@ -19,11 +24,12 @@ pub(super) struct CaseError {
 
 impl CaseError {
     pub(super) fn malformed(message: String) -> Self {
-        Self { id: Value::Null, code: "malformed", message }
+        Self { code: "malformed", message }
     }
 
-    pub(super) fn of(self, id: Value) -> Self {
-        Self { id, ..self }
+    /// A parameter out of its range.
+    pub(super) fn parameter(message: String) -> Self {
+        Self { code: "parameter", message }
     }
 
     /// Says where in the case the error is.
@@ -34,7 +40,7 @@ impl CaseError {
 
 impl From<BeliefError> for CaseError {
     fn from(error: BeliefError) -> Self {
-        Self { id: Value::Null, code: error.code(), message: error.to_string() }
+        Self { code: error.code(), message: error.to_string() }
     }
 }
 
@@ -42,16 +48,15 @@ impl From<BeliefError> for CaseError {
 #[derive(serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Line {
-    #[serde(default)]
-    id: Value,
+    id: Id,
     frame: Vec<String>,
-    model: Value,
-    source_model: Option<Value>,
+    model: Strict,
+    source_model: Option<Strict>,
     rule: String,
     #[serde(default)]
-    params: Map<String, Value>,
-    #[serde(default)]
-    sources: Vec<Masses>,
+    params: Object,
+    #[serde(default, deserialize_with = "not_null")]
+    sources: Option<Vec<Masses>>,
     keys: Option<Vec<String>>,
     #[serde(rename = "source")]
     _source: Option<IgnoredAny>,
@@ -68,8 +73,14 @@ struct Line {
 /// What can be told of a line that is no case.
 #[derive(serde::Deserialize)]
 struct Named {
-    #[serde(default)]
-    id: Value,
+    id: Id,
+}
+
+/// A field that may be absent, but not null.
+fn not_null<'de, D: Deserializer<'de>, T: Deserialize<'de>>(
+    deserializer: D,
+) -> Result<Option<T>, D::Error> {
+    T::deserialize(deserializer).map(Some)
 }
 
 /// A reader's complaint, with its column; the line is ours to count.
@@ -107,29 +118,29 @@ impl<'de> Deserialize<'de> for Masses {
 /// A case whose frames and sources are sound.
 #[derive(Debug)]
 pub(super) struct Case {
-    pub(super) id: Value,
     pub(super) frame: Frame,
     pub(super) source_frame: Option<Frame>,
     pub(super) rule: String,
     pub(super) params: Map<String, Value>,
     /// On the source frame, where there is one.
-    pub(super) sources: Vec<MassFunction>,
+    sources: Option<Vec<MassFunction>>,
     pub(super) keys: Option<Vec<String>>,
 }
 
 impl Case {
-    pub(super) fn read(line: &[u8]) -> Result<Self, CaseError> {
+    /// Reads a line. The `id` is told even of a line that is no case, if only the line is JSON.
+    pub(super) fn read(line: &[u8]) -> (Id, Result<Self, CaseError>) {
         // A list would be read as the fields in their order, which nobody means.
         if line.trim_ascii_start().first() != Some(&b'{') {
-            return Err(CaseError::malformed("expected a JSON object".to_owned()));
+            return (None, Err(CaseError::malformed("expected a JSON object".to_owned())));
         }
-        let read: Line = serde_json::from_slice(line).map_err(|error| {
-            let known: Option<Named> = serde_json::from_slice(line).ok();
-            let id = known.map(|case| case.id).unwrap_or_default();
-            CaseError::malformed(told(&error)).of(id)
-        })?;
-        let id = read.id.clone();
-        Self::check(read).map_err(|error| error.of(id))
+        match serde_json::from_slice::<Line>(line) {
+            Ok(mut read) => (read.id.take(), Self::check(read)),
+            Err(error) => {
+                let named: Option<Named> = serde_json::from_slice(line).ok();
+                (named.and_then(|named| named.id), Err(CaseError::malformed(told(&error))))
+            }
+        }
     }
 
     fn check(line: Line) -> Result<Self, CaseError> {
@@ -146,9 +157,28 @@ impl Case {
             MassFunction::parse(given_on, masses)
                 .map_err(|error| CaseError::from(error).at(format_args!("source {index}")))
         };
-        let sources = line.sources.iter().enumerate().map(source).collect::<Result<_, _>>()?;
-        let Line { id, rule, params, keys, .. } = line;
-        Ok(Self { id, frame, source_frame, rule, params, sources, keys })
+        let all = |sources: &Vec<Masses>| sources.iter().enumerate().map(source).collect();
+        let sources = line.sources.as_ref().map(all).transpose()?;
+        let Line { rule, params: Object(params), keys, .. } = line;
+        check_keys(keys.as_deref().unwrap_or_default())?;
+        Ok(Self { frame, source_frame, rule, params, sources, keys })
+    }
+
+    /// The sources as they were given, on the source frame where there is one.
+    pub(super) fn sources(&self) -> Result<&[MassFunction], CaseError> {
+        let missing = || {
+            let rule = &self.rule;
+            CaseError::malformed(format!("missing field `sources`; operation `{rule}` needs it"))
+        };
+        self.sources.as_deref().ok_or_else(missing)
+    }
+
+    /// Refuses sources, for operations that only look at the frame.
+    pub(super) fn without_sources(&self) -> Result<(), CaseError> {
+        match self.sources.as_deref() {
+            None | Some([]) => Ok(()),
+            Some(sources) => Err(self.source_count(sources.len(), "none")),
+        }
     }
 
     /// The expressions asked for, each with its element.
@@ -166,13 +196,18 @@ impl Case {
 
     /// The source of an operation on one, as the frame of the answer sees it.
     pub(super) fn only_source(&self) -> Result<MassFunction, CaseError> {
-        let [source] = self.translated()?.try_into().map_err(|_| self.source_count("1"))?;
+        let [source] = self.exactly()?;
         Ok(source)
     }
 
     /// The two sources of an operation on a pair.
     pub(super) fn pair(&self) -> Result<[MassFunction; 2], CaseError> {
-        self.translated()?.try_into().map_err(|_| self.source_count("2"))
+        self.exactly()
+    }
+
+    fn exactly<const N: usize>(&self) -> Result<[MassFunction; N], CaseError> {
+        let counted = |sources: Vec<_>| self.source_count(sources.len(), &N.to_string());
+        self.translated()?.try_into().map_err(counted)
     }
 
     /// All sources on the frame of the answer.
@@ -181,11 +216,11 @@ impl Case {
             None => Ok(source.clone()),
             Some(from) => self.frame.translate_mass(from, source),
         };
-        Ok(self.sources.iter().map(translate).collect::<Result<_, _>>()?)
+        Ok(self.sources()?.iter().map(translate).collect::<Result<_, _>>()?)
     }
 
-    pub(super) fn source_count(&self, expected: &str) -> CaseError {
-        let (found, rule) = (self.sources.len(), &self.rule);
+    pub(super) fn source_count(&self, found: usize, expected: &str) -> CaseError {
+        let rule = &self.rule;
         CaseError::malformed(format!("{found} sources; operation `{rule}` takes {expected}"))
     }
 
@@ -210,10 +245,15 @@ impl Case {
         Ok(Some(numbers))
     }
 
+    /// A parameter as text.
+    pub(super) fn text(&self, name: &str, expected: &str) -> Result<&str, CaseError> {
+        let value = self.params.get(name).ok_or_else(|| self.missing(name, expected))?;
+        value.as_str().ok_or_else(|| Self::wrong(name, value, expected))
+    }
+
     /// A parameter as an element of a frame.
     pub(super) fn element(&self, name: &str, frame: &Frame) -> Result<Element, CaseError> {
-        let value = self.params.get(name).ok_or_else(|| self.missing(name, "an expression"))?;
-        let text = value.as_str().ok_or_else(|| Self::wrong(name, value, "an expression"))?;
+        let text = self.text(name, "an expression")?;
         frame.parse(text).map_err(|error| CaseError::from(error).at(format_args!("params.{name}")))
     }
 
@@ -237,12 +277,21 @@ impl Case {
         CaseError::malformed(format!("operation `{rule}` needs params.{name}, {expected}"))
     }
 
-    fn wrong(name: &str, value: &Value, expected: &str) -> CaseError {
+    pub(super) fn wrong(name: &str, value: &Value, expected: &str) -> CaseError {
         CaseError::malformed(format!("params.{name} is {value}; expected {expected}"))
     }
 }
 
-fn model(atoms: &[String], model: &Value) -> Result<Frame, CaseError> {
+/// Refuses an expression that is asked for twice: an answer has one value of a name.
+fn check_keys(keys: &[String]) -> Result<(), CaseError> {
+    let mut seen = BTreeSet::new();
+    match keys.iter().find(|key| !seen.insert(key.as_str())) {
+        None => Ok(()),
+        Some(key) => Err(CaseError::malformed(format!("keys: `{key}` is asked for twice"))),
+    }
+}
+
+fn model(atoms: &[String], Strict(model): &Strict) -> Result<Frame, CaseError> {
     let wrong = || {
         CaseError::malformed(format!(
             "{model}; expected \"free\", \"shafer\" or {{\"empty\": [expressions]}}"
