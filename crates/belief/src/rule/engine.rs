@@ -301,9 +301,9 @@ impl<M: Mask, F: Number> Engine<M, F> {
         let Self { sums, so_far: sorted, bins, .. } = self;
         let mut ends = [0_u32; u8::MAX as usize + 1];
         bins.clear();
-        bins.extend(sums.entries().iter().map(|&(element, mass)| {
+        bins.extend(sums.entries().iter().map(|&(element, _)| {
             let bin = element.cardinality() as u8;
-            ends[bin as usize] += u32::from(mass > F::zero());
+            ends[bin as usize] += 1;
             bin
         }));
         let mut end = 0;
@@ -313,11 +313,9 @@ impl<M: Mask, F: Number> Engine<M, F> {
         sorted.clear();
         sorted.resize(end as usize, (M::EMPTY, F::zero()));
         for (&entry, &bin) in sums.entries().iter().zip(bins.iter()) {
-            if entry.1 > F::zero() {
-                let end = &mut ends[bin as usize];
-                sorted[*end as usize] = entry;
-                *end += 1;
-            }
+            let end = &mut ends[bin as usize];
+            sorted[*end as usize] = entry;
+            *end += 1;
         }
         let mut start = 0;
         for &end in &ends[..=M::BITS] {
@@ -328,7 +326,14 @@ impl<M: Mask, F: Number> Engine<M, F> {
             start = end;
         }
         fused.clear();
-        fused.extend(sorted.iter().map(|&(element, mass)| (element.element(), mass)));
+        let mut all_above_zero = true;
+        fused.extend(sorted.iter().map(|&(element, mass)| {
+            all_above_zero &= mass > F::zero();
+            (element.element(), mass)
+        }));
+        if !all_above_zero {
+            fused.retain(|&(_, mass)| mass > F::zero());
+        }
     }
 }
 
