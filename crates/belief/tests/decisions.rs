@@ -80,7 +80,7 @@ fn what_cannot_be_decided_is_refused() {
         assert!(matches!(refused, Err(BeliefError::Parameter { name: "pessimism", .. })));
     }
     let refused = m.decide(&all, Criterion::Dsmp { epsilon: -1.0 }, &frame).expect_err("ε < 0");
-    assert_eq!(refused.to_string(), "epsilon is -1; it must be at least 0");
+    assert_eq!(refused.to_string(), "epsilon is -1; it must be from 0 to 1e30");
     let nothing = mass(&[("empty", 1.0)]).decide(&all, Criterion::Pignistic, &frame);
     assert_eq!(nothing, Err(BeliefError::NothingPossible));
     let free = Frame::free(["A", "B", "C"]).expect("a frame");
