@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use rayon::prelude::*;
-use wisdom_belief::map::{self, MAX_ROWS, Outputs, Source, Table};
+use wisdom_belief::map::{self, MAX_MAP_SOURCES, MAX_ROWS, Outputs, Source, Table};
 use wisdom_grid::Raster;
 use wisdom_terrain::Layer;
 
@@ -39,7 +39,8 @@ const CHUNK: usize = 1 << 16;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
-/// (A table of more than [`MAX_ROWS`] intervals, those between its rows among them, takes the slow road.)
+/// (A table of more than [`MAX_ROWS`] intervals, those between its rows among them, and more than
+/// [`MAX_MAP_SOURCES`] experts take the slow road.)
 ///
 /// # Errors
 /// As [`judge`] and [`Fusion::check`].
@@ -51,7 +52,8 @@ pub fn belief_map(
 ) -> Result<Raster<f32>, FusionError> {
     fusion.check(experts.len())?;
     let readings = readings(experts, layers)?;
-    let Some(columns) = experts.iter().map(columns).collect::<Option<Vec<_>>>() else {
+    let columns = experts.iter().map(columns).collect::<Option<Vec<_>>>();
+    let Some(columns) = columns.filter(|_| experts.len() <= MAX_MAP_SOURCES) else {
         let fusion = Fusion { statistic: Statistic::Belief, ..*fusion };
         return Ok(interest_map(&judge(experts, layers)?, &fusion).interest);
     };

@@ -436,6 +436,22 @@ fn a_table_of_any_length_makes_a_map() {
     assert_near(belief[DULL], 0.0, PLANE);
 }
 
+/// `dsmc` takes any number of experts; the kernels hold sixteen.
+#[test]
+fn more_experts_than_the_kernels_hold_make_a_map() {
+    let layers = varied_layers(20, 20);
+    for count in [16, 17, 40] {
+        let panel: Vec<Expert> = (0..count)
+            .map(|number| Expert { name: format!("e{number}"), ..experts()[number % 3].clone() })
+            .collect();
+        let kept = interest_map(&judge(&panel, &layers).expect("experts"), &Fusion::default());
+        let straight = belief_map(&panel, &layers, &Fusion::default()).expect("a map");
+        for (kept, straight) in kept.interest.values().iter().zip(straight.values()) {
+            assert_near(*straight, (*kept).into(), PLANE);
+        }
+    }
+}
+
 #[test]
 fn what_makes_no_sense_on_maps_is_refused_with_what_would() {
     let told = |fusion: Fusion| fusion.check(3).expect_err("makes no sense").to_string();
