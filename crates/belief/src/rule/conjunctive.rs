@@ -42,19 +42,7 @@ pub(super) fn gather<'a, M: Mask + 'a, F: Number>(
     so_far: &mut Vec<(M, F)>,
     sums: &mut Accumulator<M, F>,
 ) -> Result<(), BeliefError> {
-    sums.clear();
-    let mut bodies = bodies.into_iter();
-    sums.add_each(bodies.next().unwrap_or(&[]), |element, mass| (element, mass));
-    for body in bodies {
-        sums.drain_into(so_far);
-        for &(x, of_x) in so_far.iter() {
-            sums.add_each(body, |y, of_y| (operation(x, y), of_x * of_y));
-            if sums.entries().len() > MAX_FOCAL {
-                return Err(BeliefError::TooManyElements { limit: MAX_FOCAL });
-            }
-        }
-    }
-    Ok(())
+    gather_prepared(bodies, operation, |_| {}, so_far, sums)
 }
 
 /// The conjunctive rule up to a factor and without ∅, for rules that scale what survives: with very many sources
@@ -64,21 +52,35 @@ pub(super) fn gather_survivors<'a, M: Mask + 'a, F: Number>(
     so_far: &mut Vec<(M, F)>,
     sums: &mut Accumulator<M, F>,
 ) -> Result<(), BeliefError> {
+    gather_prepared(bodies, |x, y| x & y, rescale, so_far, sums)
+}
+
+/// Drops ∅, and scales the rest where it is far from 1. (Either way: Zhang's factors are above 1.)
+fn rescale<M: Mask, F: Number>(so_far: &mut Vec<(M, F)>) {
+    so_far.retain(|(element, _)| !element.is_empty());
+    let largest = so_far.iter().fold(F::zero(), |largest, &(_, mass)| largest.greatest(mass));
+    if largest > F::zero() && !(SMALL..1.0 / SMALL).contains(&largest.to_f64()) {
+        for (_, mass) in so_far {
+            *mass = *mass / largest;
+        }
+    }
+}
+
+/// [`gather`], with what came of the sources so far prepared before the next one is combined.
+fn gather_prepared<'a, M: Mask + 'a, F: Number>(
+    mut bodies: impl Iterator<Item = &'a [(M, F)]>,
+    operation: impl Fn(M, M) -> M,
+    prepare: impl Fn(&mut Vec<(M, F)>),
+    so_far: &mut Vec<(M, F)>,
+    sums: &mut Accumulator<M, F>,
+) -> Result<(), BeliefError> {
     sums.clear();
-    let mut bodies = bodies.into_iter();
     sums.add_each(bodies.next().unwrap_or(&[]), |element, mass| (element, mass));
     for body in bodies {
-        sums.take(M::EMPTY);
         sums.drain_into(so_far);
-        let largest = so_far.iter().fold(F::zero(), |largest, &(_, mass)| largest.greatest(mass));
-        // Either way: Zhang's factors are above 1.
-        if largest > F::zero() && !(SMALL..1.0 / SMALL).contains(&largest.to_f64()) {
-            for (_, mass) in so_far.iter_mut() {
-                *mass = *mass / largest;
-            }
-        }
+        prepare(so_far);
         for &(x, of_x) in so_far.iter() {
-            sums.add_each(body, |y, of_y| (x & y, of_x * of_y));
+            sums.add_each(body, |y, of_y| (operation(x, y), of_x * of_y));
             if sums.entries().len() > MAX_FOCAL {
                 return Err(BeliefError::TooManyElements { limit: MAX_FOCAL });
             }
