@@ -1,5 +1,6 @@
 #![doc = include_str!("../README.md")]
 
+mod crs;
 mod error;
 pub mod format;
 mod landscape;
@@ -8,6 +9,7 @@ mod noise;
 mod surface;
 mod viewshed;
 
+pub use crs::{Crs, GeoKeys, Projection};
 pub use error::TerrainError;
 pub use format::GridFile;
 pub use landscape::{Base, Crater, HotSpot, Landscape, Patch, Ridge, Rock, Roughness, Shape, Wall};

@@ -70,8 +70,8 @@ fn the_hole_is_unknown_and_nothing_else_is() {
 
 #[test]
 fn the_sphere_of_mars_is_read_from_the_geo_keys() {
-    assert_eq!(fixture("f32_tiled_deflate_p3.tif").body_radius_m, Some(3_396_190.0));
-    assert_eq!(fixture("grid.asc").body_radius_m, None);
+    assert_eq!(fixture("f32_tiled_deflate_p3.tif").body_radius_m(), Some(3_396_190.0));
+    assert_eq!(fixture("grid.asc").body_radius_m(), None);
 }
 
 #[test]

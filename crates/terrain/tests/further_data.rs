@@ -86,7 +86,7 @@ fn every_flavour_of_geotiff_and_the_ascii_grid_hold_the_same_heights_in_the_same
         assert_eq!(file.raster.spec(), place, "{name}");
         // An ASCII grid has no word for the body.
         let radius = (name != "grid.asc").then_some(MARS_RADIUS_M);
-        assert_eq!(file.body_radius_m, radius, "{name}");
+        assert_eq!(file.body_radius_m(), radius, "{name}");
         let limit = tolerance(&manifest, name);
         for ((cell, &found), &height) in file.raster.iter().zip(&heights) {
             assert_eq!(file.known[cell], !height.is_nan(), "{name} at {cell}");
@@ -197,7 +197,7 @@ fn the_layers_of_gale_crater_read_on_one_grid_with_their_holes() {
     for layer in layers {
         let file = read(&site.join(layer.file));
         assert_eq!(file.raster.spec(), grid, "{}", layer.file);
-        assert_eq!(file.body_radius_m, Some(MARS_RADIUS_M), "{}", layer.file);
+        assert_eq!(file.body_radius_m(), Some(MARS_RADIUS_M), "{}", layer.file);
         layer.check(&file);
     }
 }
@@ -282,7 +282,7 @@ fn jezero_crater_reads_where_its_degrees_say() {
     assert_eq!((spec.cols(), spec.rows(), spec.spacing_m()), (255, 269, 440.0));
     let (west, north) = equidistant(MARS_RADIUS_M, 18.5, 76.21875, 19.429_687_5);
     assert!((spec.west_m() - west).abs() < 1e-3 && (spec.north_m() - north).abs() < 1e-3);
-    assert_eq!(dem.body_radius_m, Some(MARS_RADIUS_M));
+    assert_eq!(dem.body_radius_m(), Some(MARS_RADIUS_M));
     let (least, most, known) = range(&dem);
     // Interpolated between the postings of the degree grid, whose range is printed: within it, and close to it.
     assert!((-3323.0..-3300.0).contains(&least) && (-230.0..=-187.0).contains(&most));
@@ -303,7 +303,7 @@ fn the_mars_yard_reads_in_its_local_frame() {
     let dem = read(&terrain.join("marsyard2021-0.094m/dem.tif"));
     let spec = dem.raster.spec();
     assert_eq!((spec.cols(), spec.rows(), spec.spacing_m()), (500, 500, 0.094));
-    assert_eq!(dem.body_radius_m, None);
+    assert_eq!(dem.body_radius_m(), None);
     stated("dem.tif", -0.98, 5.59, 0.01, 1.0).check(&dem);
 }
 
@@ -316,8 +316,8 @@ fn the_pit_on_the_moon_reads_on_the_moons_sphere() {
     assert_eq!((heights.cols(), heights.rows(), heights.spacing_m()), (257, 257, 2.0));
     assert_eq!((image.cols(), image.rows(), image.spacing_m()), (1024, 1024, 0.5));
     assert_eq!((heights.west_m(), heights.north_m()), (image.west_m(), image.north_m()));
-    assert_eq!(dem.body_radius_m, Some(MOON_RADIUS_M));
-    assert_eq!(ortho.body_radius_m, Some(MOON_RADIUS_M));
+    assert_eq!(dem.body_radius_m(), Some(MOON_RADIUS_M));
+    assert_eq!(ortho.body_radius_m(), Some(MOON_RADIUS_M));
     let (x, y) = heights.centre_m(Cell::new(128, 128));
     // The centre is printed to 0.001 degrees of longitude from the meridian of 180; half of that is 15 m.
     let (east, north) = equidistant(MOON_RADIUS_M, 8.0, 33.222 - 180.0, 8.333);

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use wisdom_grid::GridSpec;
 
-use super::{GridFile, check_size, damaged, grid_file};
+use super::{About, GridFile, check_size, damaged, grid_file};
 use crate::TerrainError;
 
 const KEYS: [&str; 8] = [
@@ -37,7 +37,14 @@ pub(super) fn read(name: &str, bytes: &[u8]) -> Result<GridFile, TerrainError> {
     }
     let spec = place(name, &header)?;
     let values = numbers(name, words, spec, header.get("nodata_value").copied())?;
-    grid_file(spec, values.into_iter(), None)
+    let about = About {
+        format: "ESRI ASCII grid",
+        storage: "text".to_owned(),
+        nodata: header.get("nodata_value").map(f64::to_string),
+        scale: 1.0,
+        offset: 0.0,
+    };
+    grid_file(spec, values.into_iter(), None, about)
 }
 
 /// A letter that begins a header word, not a number such as `nan` or `inf`.

@@ -6,8 +6,8 @@ use tiff::decoder::{Decoder, DecodingResult, Limits};
 use tiff::tags::{PlanarConfiguration, Tag};
 use wisdom_grid::GridSpec;
 
-use super::{GridFile, MAX_CELLS, check_size, damaged, grid_file};
-use crate::TerrainError;
+use super::{About, GridFile, MAX_CELLS, check_size, damaged, grid_file};
+use crate::{Crs, Projection, TerrainError};
 
 /// GDAL's XML of scale, offset and the like, which the `tiff` crate does not name.
 const GDAL_METADATA: Tag = Tag::Unknown(42112);
@@ -25,7 +25,7 @@ pub(super) fn read(name: &str, bytes: &[u8]) -> Result<Vec<GridFile>, TerrainErr
     let (cols, rows) = tiff.dimensions().map_err(fail)?;
     let (rows, cols) = (rows as usize, cols as usize);
     check_size(name, rows, cols)?;
-    let Place { spec, body_radius_m } = Place::of(name, &mut tiff, rows, cols)?;
+    let Place { spec, crs } = Place::of(name, &mut tiff, rows, cols)?;
     let bands = tiff.colortype().map_err(fail)?.num_samples() as usize;
     check_layout(name, &mut tiff, bands)?;
     let nodata = nodata(&mut tiff);
@@ -46,7 +46,14 @@ pub(super) fn read(name: &str, bytes: &[u8]) -> Result<Vec<GridFile>, TerrainErr
                     || super::is_special(sample as f32);
                 (!missing).then_some((sample * scale + offset) as f32)
             });
-            grid_file(spec, values, body_radius_m)
+            let about = About {
+                format: "GeoTIFF",
+                storage: String::new(),
+                nodata: nodata.map(|none| none.to_string()),
+                scale,
+                offset,
+            };
+            grid_file(spec, values, crs.clone(), about)
         })
         .collect()
 }
@@ -102,7 +109,7 @@ fn metadata_number(metadata: &str, role: &str, band: usize) -> Option<f64> {
 /// Where the geo tags put the image.
 struct Place {
     spec: GridSpec,
-    body_radius_m: Option<f64>,
+    crs: Option<Crs>,
 }
 
 impl Place {
@@ -138,7 +145,12 @@ impl Place {
         let half = if keys.short(RASTER_TYPE) == Some(PIXEL_IS_POINT) { step_x / 2.0 } else { 0.0 };
         Ok(Self {
             spec: GridSpec::new(rows, cols, step_x)?.at(west - half, north + half),
-            body_radius_m: keys.double(SEMI_MAJOR_AXIS).filter(|r| r.is_finite() && *r > 0.0),
+            crs: Some(Crs {
+                name: String::new(),
+                radius_m: keys.double(SEMI_MAJOR_AXIS).filter(|r| r.is_finite() && *r > 0.0),
+                polar_radius_m: None,
+                projection: Projection::Local,
+            }),
         })
     }
 }

@@ -5,7 +5,7 @@ mod geotiff;
 
 use wisdom_grid::{GridSpec, Raster};
 
-use crate::{Layer, TerrainError};
+use crate::{Crs, Layer, TerrainError};
 
 /// What a terrain file holds.
 #[derive(Debug, Clone, PartialEq)]
@@ -14,11 +14,34 @@ pub struct GridFile {
     pub raster: Raster<f32>,
     /// Where the file has a value.
     pub known: Raster<bool>,
-    /// Radius of the body's sphere (semi-major axis of its ellipsoid), metres, if the file says.
-    pub body_radius_m: Option<f64>,
+    /// What the map coordinates mean, if the file says.
+    pub crs: Option<Crs>,
+    /// How the file holds it.
+    pub about: About,
+}
+
+/// How a file holds its grid: facts for people.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct About {
+    /// The format's name: `GeoTIFF`, `PDS3 image`, ..
+    pub format: &'static str,
+    /// Sample type, layout, compression and byte order, in words: `float32, tiles of 256 x 256, deflate, predictor 3`.
+    pub storage: String,
+    /// What stands for "no value", as the file writes it.
+    pub nodata: Option<String>,
+    /// What stored numbers are multiplied by.
+    pub scale: f64,
+    /// What is added then.
+    pub offset: f64,
 }
 
 impl GridFile {
+    /// Radius of the body's sphere (semi-major axis of its ellipsoid), metres, if the file says.
+    #[must_use]
+    pub fn body_radius_m(&self) -> Option<f64> {
+        self.crs.as_ref()?.radius_m
+    }
+
     /// The file as a layer: u = 0 where there is a value, 1 where there is none.
     ///
     /// ```
@@ -117,7 +140,8 @@ fn is_special(value: f32) -> bool {
 fn grid_file(
     spec: GridSpec,
     values: impl Iterator<Item = Option<f32>>,
-    body_radius_m: Option<f64>,
+    crs: Option<Crs>,
+    about: About,
 ) -> Result<GridFile, TerrainError> {
     let usable = |value: f32| value.is_finite() && !is_special(value);
     let cells: Vec<Option<f32>> = values.map(|value| value.filter(|&v| usable(v))).collect();
@@ -126,7 +150,8 @@ fn grid_file(
     Ok(GridFile {
         raster: Raster::from_vec(spec, values)?,
         known: Raster::from_vec(spec, known)?,
-        body_radius_m,
+        crs,
+        about,
     })
 }
 
