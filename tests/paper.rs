@@ -1,7 +1,8 @@
 //! `wisdom paper`, as a reader of the paper runs it.
 
 use std::fs;
-use std::path::Path;
+use std::io::BufReader;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 use serde_json::Value;
@@ -111,26 +112,83 @@ fn the_tables_end_with_the_count_of_checks() {
     assert!(told.contains("0.97234600") && told.contains("0.97234607"), "{told}");
 }
 
-#[test]
-fn the_figures_are_pictures_of_the_whole_map() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let target = folder.path().join("new").join("figures");
+/// Draws the figures into a new folder of `folder`; their paths.
+fn figures(folder: &Path) -> Vec<PathBuf> {
+    let target = folder.join("new").join("figures");
     let output = paper(&["--json", "--figures", target.to_str().expect("UTF-8")]);
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
     let object: Value = serde_json::from_slice(&output.stdout).expect("one JSON object");
     let told = object["figures"].as_array().expect("figures");
-    for figure in ["3", "4", "5", "6", "7", "8a", "8b", "9"] {
-        let start = format!("figure-{figure}-");
-        let named = |path: &&Value| path.as_str().is_some_and(|path| path.contains(&start));
-        let path = told.iter().find(named).unwrap_or_else(|| panic!("no {start}"));
-        let bytes = fs::read(path.as_str().expect("a path")).expect("the picture");
-        assert_eq!(&bytes[..8], b"\x89PNG\r\n\x1a\n", "{path}");
-        // Width and height stand in the header: at least eight pixels a cell.
-        let side =
-            |at: usize| u32::from_be_bytes(bytes[at..at + 4].try_into().expect("four bytes"));
-        assert!(side(16) >= 808 && side(20) >= 808, "{path}: {} x {}", side(16), side(20));
+    told.iter().map(|path| PathBuf::from(path.as_str().expect("a path"))).collect()
+}
+
+/// Width, height and pixels of a picture.
+fn picture(path: &Path) -> (usize, usize, Vec<[u8; 3]>) {
+    let file = BufReader::new(fs::File::open(path).expect("the picture"));
+    let mut reader = png::Decoder::new(file).read_info().expect("a PNG");
+    let mut bytes = vec![0; reader.output_buffer_size().expect("a size")];
+    let frame = reader.next_frame(&mut bytes).expect("pixels");
+    assert_eq!(frame.color_type, png::ColorType::Rgb, "{}", path.display());
+    let pixels = bytes.chunks_exact(3).map(|rgb| [rgb[0], rgb[1], rgb[2]]).collect();
+    (frame.width as usize, frame.height as usize, pixels)
+}
+
+#[test]
+fn the_figures_are_pictures_of_the_whole_map() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let told = figures(folder.path());
+    for figure in ["3-visibility-map", "4", "5", "6", "7", "8a", "8b", "9"] {
+        let (width, height, _) = picture(named(&told, figure));
+        // At least eight pixels a cell.
+        assert!(width >= 808 && height >= 808, "figure {figure}: {width} x {height}");
     }
-    assert_eq!(told.len(), 8);
+    for figure in ["2", "3-visibility.", "10"] {
+        let (width, height, pixels) = picture(named(&told, figure));
+        assert!(width >= 900 && height >= 700, "figure {figure}: {width} x {height}");
+        let white = pixels.iter().filter(|pixel| **pixel == [255; 3]).count();
+        assert!(white < pixels.len() * 7 / 10, "figure {figure} is nearly empty");
+    }
+    assert_eq!(told.len(), 11);
+}
+
+/// The one picture whose name begins so after "figure-".
+fn named<'p>(told: &'p [PathBuf], figure: &str) -> &'p Path {
+    let start = format!("figure-{figure}");
+    let mut found = told.iter().filter(|path| {
+        let name = path.file_name().and_then(|name| name.to_str()).expect("a name");
+        name.starts_with(&start) && (figure.contains('-') || name[start.len()..].starts_with('-'))
+    });
+    let path = found.next().unwrap_or_else(|| panic!("no {start}"));
+    assert!(found.next().is_none(), "more than one {start}");
+    path
+}
+
+/// "In dark grey, surfaces that are not in sight" (Fig. 3): greys of the ground are either dark or light, and the share
+/// of the dark ones is about that of the hidden cells.
+#[test]
+fn fig_3_shows_hidden_ground_in_dark_grey() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let told = figures(folder.path());
+    let (_, _, pixels) = picture(named(&told, "3-visibility."));
+    let grey = |low: u8, high: u8| {
+        let within = |p: &&[u8; 3]| p[0] == p[1] && p[1] == p[2] && (low..=high).contains(&p[0]);
+        pixels.iter().filter(within).count() as f64
+    };
+    let (dark, between, light) = (grey(28, 90), grey(91, 117), grey(118, 254));
+    let share = dark / (dark + between + light);
+    let hidden = computed(&rows(&paper(&["--json"])), "Figs. 3 and 4", "share of cells hidden");
+    assert!((share - hidden).abs() < 0.06, "{share} of the ground is dark, {hidden} hidden");
+    assert!(between < 0.02 * (dark + light), "{between} pixels are neither dark nor light");
+}
+
+#[test]
+fn the_figures_are_the_same_bytes_twice() {
+    let (one, other) =
+        (tempfile::tempdir().expect("a folder"), tempfile::tempdir().expect("a folder"));
+    let bytes = |folder: &Path| -> Vec<Vec<u8>> {
+        figures(folder).iter().map(|path| fs::read(path).expect("the picture")).collect()
+    };
+    assert!(bytes(one.path()) == bytes(other.path()), "a figure differs from itself");
 }
 
 #[test]

@@ -11,6 +11,7 @@ mod replay;
 mod rules;
 mod run;
 mod show;
+mod terrain;
 mod verify;
 
 use std::process::ExitCode;
@@ -46,6 +47,8 @@ enum Command {
     Rules(rules::RulesArgs),
     // Without a doc comment: one here would hide that of `CombineArgs`, which says what to write.
     Combine(combine::CombineArgs),
+    // As above.
+    Terrain(terrain::TerrainArgs),
     /// Recompute the paper's tables, equations and claims, beside the printed values.
     Paper(paper::PaperArgs),
 }
@@ -60,6 +63,7 @@ fn main() -> ExitCode {
         Command::Check(args) => check::run(&args),
         Command::Rules(args) => rules::run(&args),
         Command::Combine(args) => combine::run(&args),
+        Command::Terrain(args) => terrain::run(&args),
         Command::Paper(args) => paper::run(&args),
     };
     outcome.unwrap_or_else(|error| exit::report(&error))

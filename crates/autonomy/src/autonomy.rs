@@ -4,10 +4,10 @@ use std::collections::BTreeMap;
 
 use wisdom_fusion::credit;
 use wisdom_goals::{
-    Approach, CausalGraph, Event, FactSet, GoalId, GoalManager, GoalSequence, Limits, Poses,
+    Approach, CausalGraph, Event, FactSet, Goal, GoalId, GoalManager, GoalSequence, Limits, Poses,
     Problem, Selection, Shortlist, Survey, poses,
 };
-use wisdom_grid::Cell;
+use wisdom_grid::{Cell, Window};
 use wisdom_planner::{
     Budget as PlanBudget, CostVector, Field, FieldOptions, Leg, Limits as DriveLimits, Plan, Route,
     Service, TravelMatrix, field, travel_matrix, validate,
@@ -15,8 +15,8 @@ use wisdom_planner::{
 
 use crate::maps::Digester;
 use crate::{
-    Act, AutonomyError, Decision, Digest, Digests, Knowledge, Maps, Objectives, Observation,
-    Outcome, PlanOption, Pose, RoverState, Source, Spec, Spent, StepResult, Trigger,
+    Act, AutonomyError, Decision, Digest, Digests, Knowledge, MIN_WORKING_CELLS, Maps, Objectives,
+    Observation, Outcome, PlanOption, Pose, RoverState, Source, Spec, Spent, StepResult, Trigger,
 };
 
 /// λ of the net-benefit objective (DESIGN: λ = 1, μ = 0).
@@ -41,6 +41,7 @@ struct Underway {
 pub struct Autonomy {
     spec: Spec,
     knowledge: Knowledge,
+    working: Window,
     maps: Option<Maps>,
     manager: GoalManager,
     facts: FactSet,
@@ -84,9 +85,16 @@ impl Autonomy {
         manager.check(&spec.domain)?;
         let facts = spec.domain.initial();
         let pose = Pose { cell: spec.fallback.home, heading_rad: 0.0 };
+        if let Some(side) = spec.working_cells
+            && side < MIN_WORKING_CELLS
+        {
+            return Err(AutonomyError::WorkingCells { side });
+        }
+        let working = spec.working_map(pose.cell);
         Ok(Self {
             spec,
             knowledge,
+            working,
             maps: None,
             manager,
             facts,
@@ -111,6 +119,12 @@ impl Autonomy {
     #[must_use]
     pub fn maps(&self) -> Option<&Maps> {
         self.maps.as_ref()
+    }
+
+    /// The part of the grid that decisions look at ([`Spec::working_cells`]).
+    #[must_use]
+    pub fn working_map(&self) -> Window {
+        self.working
     }
 
     /// The facts that hold.
@@ -142,14 +156,26 @@ impl Autonomy {
         self.observations += 1;
         self.pose = observation.pose;
         self.spent = observation.spent;
-        if changed || self.maps.is_none() {
-            self.maps = Some(Maps::new(&self.spec, &self.knowledge, &self.manager.survival())?);
-        }
+        self.derive_maps(changed)?;
         if self.decisions > 0 {
             let noticed = self.notice(changed);
             for trigger in noticed {
                 self.trigger(trigger);
             }
+        }
+        Ok(())
+    }
+
+    /// Moves the working map on if the rover has come near its edge, and derives the maps anew where that or the
+    /// readings ask for it.
+    fn derive_maps(&mut self, changed: bool) -> Result<(), AutonomyError> {
+        let moved = self.spec.outgrows(self.working, self.pose.cell);
+        if moved {
+            self.working = self.spec.working_map(self.pose.cell);
+        }
+        if changed || moved || self.maps.is_none() {
+            let survival = self.manager.survival();
+            self.maps = Some(Maps::new(&self.spec, &self.knowledge, self.working, &survival)?);
         }
         Ok(())
     }
@@ -167,6 +193,7 @@ impl Autonomy {
         self.facts = self.carried_out(outcome)?;
         self.pose = outcome.pose;
         self.spent = outcome.spent;
+        self.derive_maps(false)?;
         match outcome.result {
             StepResult::Achieved(goal) => {
                 self.manager.note(goal, Event::Achieved);
@@ -208,7 +235,7 @@ impl Autonomy {
         let triggers = std::mem::take(&mut self.triggers);
         let map_changed = self.knowledge.version() != self.decided_version;
         let credit_at = |cell: Cell| credit(&maps.evidence, &self.spec.fusion, cell);
-        let ground_at = |cell: Cell| maps.local_ground(cell, LOCAL_GROUND);
+        let ground_at = |cell: Cell| maps.local_ground(self.spec.grid, cell, LOCAL_GROUND);
         let survey = Survey {
             sites: &maps.sites,
             prize: &maps.prize.prize,
@@ -347,7 +374,8 @@ impl Autonomy {
 
     fn notice_goals(&self, maps: &Maps, found: &mut Vec<Trigger>) {
         let state = self.manager.state();
-        for goal in state.agenda.iter().filter_map(|id| state.goals.get(id)) {
+        let on_map = |goal: &&Goal| self.working.contains(goal.target);
+        for goal in state.agenda.iter().filter_map(|id| state.goals.get(id)).filter(on_map) {
             let weight = self.manager.directives()[goal.directive].weight;
             let after = weight * f64::from(maps.prize.prize[goal.target]);
             if (after - goal.prize).abs() >= self.spec.triggers.interest_change {
@@ -544,14 +572,14 @@ impl Autonomy {
     fn vantage(&self, maps: &Maps, reach: &Field<'_>) -> Option<(Cell, f64)> {
         let fallback = &self.spec.fallback;
         let radius = (fallback.look_range_m / self.spec.grid.spacing_m()) as usize;
-        let spec = self.spec.grid;
-        let (rows, cols) = (spec.rows(), spec.cols());
+        let spec = maps.interest.ignorance.spec();
+        let (rows, cols, first) = (spec.rows(), spec.cols(), spec.first());
         // Summed areas: the ignorance of any window in four look-ups.
         let mut sums = vec![0.0f64; (rows + 1) * (cols + 1)];
-        for row in 0..rows {
+        for (row, values) in maps.interest.ignorance.values().chunks(cols).enumerate() {
             let mut line = 0.0;
-            for col in 0..cols {
-                line += f64::from(maps.interest.ignorance[Cell { row, col }]);
+            for (col, &ignorance) in values.iter().enumerate() {
+                line += f64::from(ignorance);
                 sums[(row + 1) * (cols + 1) + col + 1] = sums[row * (cols + 1) + col + 1] + line;
             }
         }
@@ -559,7 +587,8 @@ impl Autonomy {
         for cell in spec.cells() {
             let Some(neg_ln_r) = reach.neg_ln_r(cell) else { continue };
             let w = spec.around(cell, radius);
-            let at = |row: usize, col: usize| sums[row * (cols + 1) + col];
+            let at =
+                |row: usize, col: usize| sums[(row - first.row) * (cols + 1) + col - first.col];
             let ignorance = at(w.row + w.rows, w.col + w.cols)
                 - at(w.row, w.col + w.cols)
                 - at(w.row + w.rows, w.col)

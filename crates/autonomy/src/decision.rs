@@ -222,7 +222,7 @@ pub struct Decision {
     pub map_changed: bool,
     /// Median interest over seen ground.
     pub background: f64,
-    /// Share of the grid of which anything is known.
+    /// Share of the working map of which anything is known.
     pub seen: f64,
     /// Maxima of the prize map.
     pub sites: Vec<Site>,

@@ -96,6 +96,15 @@ pub enum AutonomyError {
         /// Columns of the grid.
         cols: usize,
     },
+    /// The working map is too small to work on.
+    #[error(
+        "a working map of {side} cells a side; at least {} are needed",
+        crate::MIN_WORKING_CELLS
+    )]
+    WorkingCells {
+        /// The side asked for.
+        side: usize,
+    },
     /// A plan or its operators failed the independent check: a bug of ours, reported rather than driven.
     #[error("the plan about to be chosen is not valid: {why}")]
     InvalidPlan {

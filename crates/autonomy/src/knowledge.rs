@@ -115,7 +115,7 @@ impl Knowledge {
         Ok(())
     }
 
-    /// A window of a layer, unknown where no tile is.
+    /// A window of a layer, unknown where no tile is; its cells keep the grid's numbers.
     ///
     /// # Errors
     /// [`AutonomyError`] if the layer is not measured or the window leaves the grid.
@@ -124,7 +124,7 @@ impl Knowledge {
             .layers
             .get(name)
             .ok_or_else(|| AutonomyError::NotMeasured { layer: name.to_owned() })?;
-        let spec = self.spec.sub(window)?;
+        let spec = self.spec.part(window)?;
         let mut values = Raster::filled(spec, 0.0f32);
         let mut uncertainty = Raster::filled(spec, 1.0f32);
         for (&(tile_row, tile_col), tile) in &measured.tiles {
@@ -133,7 +133,7 @@ impl Knowledge {
             let Some(part) = place.intersection(window) else { continue };
             for row in part.row..part.row + part.rows {
                 let from = (row - place.row) * TILE + (part.col - place.col);
-                let to = spec.index(Cell::new(row - window.row, part.col - window.col));
+                let to = spec.index(Cell::new(row, part.col));
                 values.values_mut()[to..to + part.cols]
                     .copy_from_slice(&tile.values[from..from + part.cols]);
                 uncertainty.values_mut()[to..to + part.cols]
@@ -194,7 +194,7 @@ mod tests {
         assert_eq!(k.version(), 2);
         // A part of the map is the same as that part of the whole.
         let part = k.layer("t", Window { row: 60, col: 62, rows: 8, cols: 8 }).unwrap();
-        assert_eq!(part.value(Cell::new(3, 4)), 3.0);
+        assert_eq!(part.value(Cell::new(63, 66)), 3.0);
     }
 
     #[test]

@@ -15,6 +15,6 @@ pub use knowledge::Knowledge;
 pub use maps::Maps;
 pub use observation::{LayerWindow, Observation, Outcome, Pose, Spent, StepResult};
 pub use spec::{
-    ApproachSpec, Budget, Derivation, ELEVATION, Fallback, LayerSpec, MapUpdate, Source, Spec,
-    Triggers,
+    ApproachSpec, Budget, Derivation, ELEVATION, Fallback, LayerSpec, MIN_WORKING_CELLS, MapUpdate,
+    Source, Spec, Triggers,
 };

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use wisdom_fusion::{Evidence, InterestMap, interest_map, judge};
 use wisdom_goals::{PrizeMap, Site, prize_map, sites};
-use wisdom_grid::{Cell, Raster};
+use wisdom_grid::{Cell, GridSpec, Raster, Window};
 use wisdom_planner::Traversability;
 use wisdom_terrain::{Layer, gradient, roughness, slope, step};
 
@@ -25,20 +25,21 @@ pub struct Maps {
     pub sites: Vec<Site>,
     /// How each cell may be crossed.
     pub ground: Traversability,
-    /// Share of the grid of which anything is known.
+    /// Share of the working map of which anything is known.
     pub seen: f64,
 }
 
 impl Maps {
-    /// Derives all maps from what is known.
+    /// Derives all maps of a window from what is known of it.
     pub(crate) fn new(
         spec: &Spec,
         knowledge: &Knowledge,
+        working: Window,
         survival: &wisdom_goals::Extraction,
     ) -> Result<Self, AutonomyError> {
         let mut layers = BTreeMap::new();
         for layer in spec.layers.iter().filter(|l| matches!(l.source, Source::Measured(_))) {
-            layers.insert(layer.name.clone(), knowledge.layer(&layer.name, spec.grid.window())?);
+            layers.insert(layer.name.clone(), knowledge.layer(&layer.name, working)?);
         }
         let elevation = layers.get(ELEVATION).ok_or(AutonomyError::NoElevation)?.clone();
         for layer in &spec.layers {
@@ -55,7 +56,7 @@ impl Maps {
         let sites = sites(&prize.prize, survival);
         let ground = Traversability::new(&spec.vehicle, &elevation)?;
         let known = interest.ignorance.values().iter().filter(|u| **u < 1.0).count();
-        let seen = known as f64 / spec.grid.len() as f64;
+        let seen = known as f64 / elevation.spec().len() as f64;
         Ok(Self { layers, evidence, interest, prize, sites, ground, seen })
     }
 
@@ -118,12 +119,18 @@ impl Maps {
     }
 
     /// Digest of what is blocked within `radius` cells of a cell: the ground of a place given up.
-    pub(crate) fn local_ground(&self, cell: Cell, radius: usize) -> u64 {
+    /// None if a part of it lies on the grid but beyond the working map.
+    pub(crate) fn local_ground(&self, grid: GridSpec, cell: Cell, radius: usize) -> Option<u64> {
+        let near = grid.around(cell, radius);
+        if self.ground.spec().around(cell, radius) != near {
+            return None;
+        }
         let mut digest = Digester::default();
-        for near in self.ground.spec().around(cell, radius).cells() {
+        for near in near.cells() {
             digest.bytes(&[u8::from(self.ground.is_blocked(near))]);
         }
-        u64::from_le_bytes(digest.finish().0[..8].try_into().expect("a digest has 32 bytes"))
+        let first = digest.finish().0[..8].try_into().expect("a digest has 32 bytes");
+        Some(u64::from_le_bytes(first))
     }
 }
 

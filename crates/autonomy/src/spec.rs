@@ -2,7 +2,7 @@
 
 use wisdom_fusion::{Expert, Fusion};
 use wisdom_goals::{Directive, Domain, ManagerSpec, Policy, PrizeScale};
-use wisdom_grid::{Cell, GridSpec};
+use wisdom_grid::{Cell, GridSpec, Window};
 use wisdom_planner::Vehicle;
 
 /// How a new reading of a layer meets the one already known.
@@ -114,6 +114,9 @@ pub struct ApproachSpec {
 pub struct Spec {
     /// The mission's grid.
     pub grid: GridSpec,
+    /// Side of the map the rover works on, cells, where the ground is larger than what one decision can look at: a
+    /// square around the rover that moves on with it. Without it, the whole grid.
+    pub working_cells: Option<usize>,
     /// Its layers; `elevation` is always among the measured ones.
     pub layers: Vec<LayerSpec>,
     /// The experts.
@@ -140,6 +143,43 @@ pub struct Spec {
     pub fallback: Fallback,
     /// How goals are approached.
     pub approach: ApproachSpec,
+}
+
+/// The smallest working map, cells a side: goals, routes and looks need some room.
+pub const MIN_WORKING_CELLS: usize = 64;
+
+impl Spec {
+    /// The working map when it is laid anew around a cell: a square of [`Spec::working_cells`], cut to lie on the grid,
+    /// its edges on multiples of an eighth of its side so that it moves seldom.
+    #[must_use]
+    pub fn working_map(&self, around: Cell) -> Window {
+        let whole = self.grid.window();
+        let Some(side) = self.working_cells else { return whole };
+        let grain = (side / 8).max(1);
+        let along = |at: usize, first: usize, count: usize| {
+            let side = side.min(count);
+            let from = (at - first).saturating_sub(side / 2) / grain * grain;
+            (first + from.min(count - side), side)
+        };
+        let (row, rows) = along(around.row, whole.row, whole.rows);
+        let (col, cols) = along(around.col, whole.col, whole.cols);
+        Window { row, col, rows, cols }
+    }
+
+    /// Whether a rover on a cell has come so near to an edge of its working map that it is to be laid anew: nearer than
+    /// a quarter of its side, at an edge that is not the ground's own.
+    #[must_use]
+    pub fn outgrows(&self, working: Window, cell: Cell) -> bool {
+        let Some(side) = self.working_cells else { return false };
+        let whole = self.grid.window();
+        let near = |at: usize, first: usize, count: usize, least: usize, most: usize| {
+            let margin = side / 4;
+            (first > least && at < first + margin)
+                || (first + count < most && at + margin >= first + count)
+        };
+        near(cell.row, working.row, working.rows, whole.row, whole.row + whole.rows)
+            || near(cell.col, working.col, working.cols, whole.col, whole.col + whole.cols)
+    }
 }
 
 /// The name of the layer that traversability and derived layers come from.

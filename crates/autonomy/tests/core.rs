@@ -63,6 +63,7 @@ fn spec() -> Spec {
         source: Source::Measured(MapUpdate::Best),
     };
     Spec {
+        working_cells: None,
         grid: GridSpec::new(SIDE, SIDE, 1.0).expect("the bench is sound"),
         layers: vec![layer("elevation", "m"), layer("glow", "")],
         experts: vec![expert()],

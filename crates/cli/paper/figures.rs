@@ -1,4 +1,4 @@
-//! Figs. 3 to 9 of the paper, drawn from the first look at the scene.
+//! Figs. 2 to 10 of the paper, drawn from the first look at the scene: maps, and surfaces for Figs. 2, 3 and 10.
 
 use std::f64::consts::FRAC_PI_4;
 use std::path::{Path, PathBuf};
@@ -9,7 +9,7 @@ use wisdom_terrain::hillshade;
 
 use super::expected::{Expected, cell_at};
 use super::scene::Look;
-use crate::figure::{Axes, ColourMap, Figure, Ink, Markers, Shape};
+use crate::figure::{Axes, ColourMap, Figure, Ink, Markers, Mast, Shape, Surface};
 
 /// Light from the north-west, where map readers expect it (Imhof, 1982).
 const LIGHT_AZIMUTH_RAD: f64 = 7.0 * FRAC_PI_4;
@@ -17,6 +17,10 @@ const LIGHT_AZIMUTH_RAD: f64 = 7.0 * FRAC_PI_4;
 const LIGHT_ALTITUDE_RAD: f64 = FRAC_PI_4;
 /// How bright the darkest slope in sight is, where hidden ground is 0: the two must not be mixed up.
 const LEAST_IN_SIGHT: f32 = 0.55;
+
+/// How high the letters of Fig. 10 stand: those of the rocks clear of their tops, the others clear of those.
+const ROCKS_AT: f64 = 25.0;
+const AREAS_AT: f64 = 30.0;
 
 /// Draws the figures into a folder, which is made if it is not there, and says where they are.
 pub(super) fn draw(
@@ -45,10 +49,11 @@ pub(super) fn draw(
         ink: Ink::Vermilion,
         at: vec![(look.camera, String::new())],
     };
+    let Letters { rocks, areas } = letters(look, expected);
     let u = |title: &str, layer| map(title, layer, ColourMap::Viridis, "u").range(0.0, 1.0);
     let figures = [
         (
-            "figure-3-visibility",
+            "figure-3-visibility-map",
             map(
                 "Fig. 3  Visibility over the DEM (dark: not in sight)",
                 heights,
@@ -57,7 +62,7 @@ pub(super) fn draw(
             )
             .range(range.0, range.1)
             .hillshade(&sight)
-            .markers(camera),
+            .markers(camera.clone()),
         ),
         ("figure-4-dem-uncertainty", u("Fig. 4  Uncertainty of the DEM", &look.dem_u)),
         (
@@ -96,14 +101,63 @@ pub(super) fn draw(
             "figure-9-interest",
             map("Fig. 9  Interest map under DSmC", &look.interest, ColourMap::Viridis, "Bel(I)")
                 .range(0.0, 1.0)
-                .markers(letters(look, expected)),
+                .markers(named(
+                    &[rocks.clone(), areas.clone()].concat(),
+                    Ink::White,
+                    "areas that the paper names",
+                )),
         ),
     ];
+    let seen = look.visible.map(|&visible| f32::from(u8::from(visible)));
+    let surfaces = [
+        (
+            "figure-2-dem",
+            surface(
+                "Fig. 2  DEM of the synthetic landscape: the bumps are rocks",
+                look,
+                heights,
+                ColourMap::Sand,
+            )
+            .value_label("elevation"),
+        ),
+        (
+            "figure-3-visibility",
+            surface("Fig. 3  Visibility over the DEM", look, &seen, ColourMap::Shades(2))
+                .class_names(&["not in sight", "in sight"])
+                .masts(camera, Mast::Long(height)),
+        ),
+        (
+            "figure-10-interest",
+            surface(
+                "Fig. 10  Interest map under DSmC over the DEM",
+                look,
+                &look.interest,
+                ColourMap::Viridis,
+            )
+            .value_label("Bel(I)")
+            .range(0.0, 1.0)
+            .masts(named(&rocks, Ink::White, "rocks"), Mast::UpTo(ROCKS_AT))
+            .masts(
+                named(&areas, Ink::SkyBlue, "other areas that the paper names"),
+                Mast::UpTo(AREAS_AT),
+            ),
+        ),
+    ];
+    let path = |name: &str| folder.join(name).with_extension("png");
     let mut drawn = Vec::new();
+    // In the order of the paper, whose last figure is a surface.
+    let (before, after) = surfaces.split_at(2);
+    for (name, surface) in before {
+        surface.save(&path(name))?;
+        drawn.push(path(name));
+    }
     for (name, figure) in figures {
-        let path = folder.join(name).with_extension("png");
-        figure.save(&path)?;
-        drawn.push(path);
+        figure.save(&path(name))?;
+        drawn.push(path(name));
+    }
+    for (name, surface) in after {
+        surface.save(&path(name))?;
+        drawn.push(path(name));
     }
     Ok(drawn)
 }
@@ -113,8 +167,31 @@ fn map<'a>(title: &str, layer: &'a Raster<f32>, colours: ColourMap, label: &str)
     Figure::new(title, layer, colours).axes(Axes::Counted).value_label(label)
 }
 
-/// The areas A to N of Fig. 9, those on the map.
-fn letters(look: &Look, expected: &Expected) -> Markers {
+/// A surface over the DEM with the paper's axes.
+fn surface<'a>(
+    title: &str,
+    look: &'a Look,
+    values: &'a Raster<f32>,
+    colours: ColourMap,
+) -> Surface<'a> {
+    Surface::new(title, look.elevation.values(), values, colours)
+        .axes(Axes::Counted)
+        .height_label("z (units)")
+}
+
+/// Markers of areas.
+fn named(areas: &[(Cell, String)], ink: Ink, name: &str) -> Markers {
+    Markers { name: name.to_owned(), shape: Shape::Circle, ink, at: areas.to_vec() }
+}
+
+/// Where the letters of Fig. 9 stand.
+struct Letters {
+    rocks: Vec<(Cell, String)>,
+    areas: Vec<(Cell, String)>,
+}
+
+/// The areas A to N of Fig. 9, those on the map: the rocks, and the others.
+fn letters(look: &Look, expected: &Expected) -> Letters {
     let grid = look.grid;
     let nearest = |[x, y]: [f64; 2]| {
         let on_map = x >= 1.0 && y >= 1.0 && x <= grid.cols() as f64 && y <= grid.rows() as f64;
@@ -133,11 +210,9 @@ fn letters(look: &Look, expected: &Expected) -> Markers {
         (&expected.most_interesting.name, look.best_of_hot_border(expected)),
         (&edge.name, edge_at.and_then(nearest)),
     ];
-    let at = rocks.chain(areas).filter_map(|(name, cell)| Some((cell?, name.to_owned()))).collect();
-    Markers {
-        name: "areas that the paper names".to_owned(),
-        shape: Shape::Circle,
-        ink: Ink::White,
-        at,
+    let on_map = |(name, cell): (&str, Option<Cell>)| Some((cell?, name.to_owned()));
+    Letters {
+        rocks: rocks.filter_map(on_map).collect(),
+        areas: areas.into_iter().filter_map(on_map).collect(),
     }
 }

@@ -28,7 +28,7 @@ use tables::Panel;
 /// Rows without a verdict are there to be read. Exit code 1 if a check fails.
 #[derive(clap::Args, Debug)]
 pub(crate) struct PaperArgs {
-    /// Draw Figs. 3 to 9 into this folder, as PNG.
+    /// Draw Figs. 2 to 10 into this folder, as PNG.
     #[arg(long, value_name = "DIR")]
     figures: Option<PathBuf>,
     /// Print one JSON object instead of tables.

@@ -60,7 +60,7 @@ impl Look {
                 InputError(format!("mission `{}` has no layer `{layer}`", mission.name))
             })
         };
-        let prior = mission.world.prior(&mission.spec.layers);
+        let prior = mission.world.prior(&mission.spec.layers, grid.window())?;
         let first_look = |layer: &str| -> anyhow::Result<Raster<f32>> {
             let window = prior.iter().find(|w| w.layer == layer && w.window == grid.window());
             let window = window.ok_or_else(|| {

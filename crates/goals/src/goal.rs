@@ -167,6 +167,8 @@ pub enum Reason {
     LostInterest,
     /// It is as interesting as before, but no longer a maximum.
     NoMaximum,
+    /// Its place lies beyond the map that the rover works on, which moved on with it.
+    OffMap,
     /// Another goal stands for its maximum now.
     Merged,
     /// All its tries failed.
@@ -179,7 +181,7 @@ pub enum Reason {
 
 impl Reason {
     /// Every reason.
-    pub const ALL: [Self; 22] = [
+    pub const ALL: [Self; 23] = [
         Self::NewMaximum,
         Self::Reopened,
         Self::Promoted,
@@ -198,6 +200,7 @@ impl Reason {
         Self::Preconditions,
         Self::LostInterest,
         Self::NoMaximum,
+        Self::OffMap,
         Self::Merged,
         Self::AttemptsSpent,
         Self::Explained,
@@ -226,6 +229,7 @@ impl fmt::Display for Reason {
             Self::Preconditions => "preconditions",
             Self::LostInterest => "lost-interest",
             Self::NoMaximum => "no-maximum",
+            Self::OffMap => "off-map",
             Self::Merged => "merged",
             Self::AttemptsSpent => "attempts-spent",
             Self::Explained => "explained",

@@ -130,8 +130,8 @@ pub struct Survey<'a> {
     pub paradox: &'a Raster<f32>,
     /// Share of each expert in a cell's interest.
     pub credit: &'a dyn Fn(Cell) -> Vec<f64>,
-    /// Digest of the ground (what is blocked) around a cell.
-    pub ground: &'a dyn Fn(Cell) -> u64,
+    /// Digest of the ground (what is blocked) around a cell; none where that lies beyond the map's planes.
+    pub ground: &'a dyn Fn(Cell) -> Option<u64>,
     /// Where the rover stands.
     pub stand: Cell,
     /// Whether any reading changed since the last decision.
@@ -268,6 +268,7 @@ impl GoalManager {
     pub fn revise(&mut self, survey: &Survey<'_>) -> Revision {
         let mut revision = Revision::default();
         self.apply_events(survey, &mut revision);
+        self.let_go_off_map(survey, &mut revision);
         self.reopen(survey);
         let spacing = survey.prize.spec().spacing_m();
         let explained: Vec<Option<GoalId>> =
@@ -343,6 +344,20 @@ impl GoalManager {
         }
     }
 
+    /// Ends goals whose targets lie beyond the planes of the survey: the working map moved on with the rover.
+    /// Their places are not closed; whoever comes back finds them again.
+    fn let_go_off_map(&mut self, survey: &Survey<'_>, revision: &mut Revision) {
+        let map = survey.prize.spec();
+        let off = |goal: &&Goal| !map.contains(goal.target);
+        let lost: Vec<(GoalId, Cell)> =
+            self.state.goals.values().filter(off).map(|g| (g.id, g.target)).collect();
+        for (id, target) in lost {
+            let distance_m = survey.stand.distance(target) * map.spacing_m();
+            let terms = vec![Term::of("distance_m", distance_m)];
+            self.end(id, Ending::drop(Reason::OffMap, terms, None), survey, revision);
+        }
+    }
+
     /// Failed tries around a cell.
     fn failed_at(&self, target: Cell, survey: &Survey<'_>) -> u32 {
         let near = |t: &&Tries| self.same_place(t.target, target, survey);
@@ -383,7 +398,7 @@ impl GoalManager {
                 && place.is_given_up()
                 && !self.state.goals.contains_key(&place.goal)
                 && place.reopenings < self.spec.max_reopenings
-                && (survey.ground)(place.target) != place.ground
+                && (survey.ground)(place.target).is_some_and(|ground| ground != place.ground)
             {
                 place.closed = false;
             }
@@ -589,7 +604,7 @@ impl GoalManager {
                 place.goal = id;
                 place.closed = true;
                 place.reopenings += 1;
-                place.ground = (survey.ground)(place.target);
+                place.ground = (survey.ground)(place.target).unwrap_or(place.ground);
                 targets.push(place.target);
             }
         }
@@ -646,7 +661,8 @@ impl GoalManager {
             target,
             radius_m,
             reason,
-            ground: (survey.ground)(target),
+            // A place at the very edge of the map is judged by what comes into view there.
+            ground: (survey.ground)(target).unwrap_or_default(),
             reopenings,
             closed: true,
         });

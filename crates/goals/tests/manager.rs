@@ -135,7 +135,7 @@ impl Rig {
             ignorance: &none,
             paradox: &none,
             credit: &|_| vec![1.0],
-            ground: &digest,
+            ground: &|cell| Some(digest(cell)),
             stand: self.at,
             map_changed,
         };

@@ -56,15 +56,28 @@ impl<T> Raster<T> {
         &self.values
     }
 
+    /// The values alone, row by row.
+    #[must_use]
+    pub fn into_values(self) -> Vec<T> {
+        self.values
+    }
+
     /// All values, row by row, to be changed.
     pub fn values_mut(&mut self) -> &mut [T] {
         &mut self.values
     }
 
-    /// The values of one row, west first.
+    /// The values of one row, west first, by the row's number.
     #[must_use]
     pub fn row(&self, row: usize) -> &[T] {
+        let row = row - self.spec.first().row;
         &self.values[row * self.spec.cols()..(row + 1) * self.spec.cols()]
+    }
+
+    /// The same values in the same place, the cells numbered from `first` on.
+    #[must_use]
+    pub fn numbered_from(self, first: Cell) -> Self {
+        Self { spec: self.spec.numbered_from(first), values: self.values }
     }
 
     /// The value at a cell, if the cell is on the grid.
@@ -90,15 +103,16 @@ impl<T: Clone> Raster<T> {
         Self { spec, values: vec![value; spec.len()] }
     }
 
-    /// A copy of the cells inside a window.
+    /// A copy of the cells inside a window, numbered from (0, 0).
     ///
     /// # Errors
     /// [`GridError::OutsideGrid`] if the window reaches over the edge or is empty.
     pub fn crop(&self, window: Window) -> Result<Self, GridError> {
         let spec = self.spec.sub(window)?;
         let mut values = Vec::with_capacity(spec.len());
+        let west = window.col - self.spec.first().col;
         for row in window.row..window.row + window.rows {
-            values.extend_from_slice(&self.row(row)[window.col..window.col + window.cols]);
+            values.extend_from_slice(&self.row(row)[west..west + window.cols]);
         }
         Ok(Self { spec, values })
     }

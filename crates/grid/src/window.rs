@@ -18,6 +18,12 @@ pub struct Window {
 }
 
 impl Window {
+    /// Whether no cell lies inside.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.rows == 0 || self.cols == 0
+    }
+
     /// Whether the cell lies inside.
     #[must_use]
     pub fn contains(&self, cell: Cell) -> bool {

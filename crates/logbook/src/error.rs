@@ -49,7 +49,9 @@ pub enum LogError {
         limit: &'static str,
     },
     /// A map to be logged lies on another ground than the run.
-    #[error("map {name} lies on {found:?}, the run on {expected:?}; they must share one grid")]
+    #[error(
+        "map {name} lies on {found:?}, the run on {expected:?}; a map covers that grid or a part of it"
+    )]
     GridMismatch {
         /// The map.
         name: String,

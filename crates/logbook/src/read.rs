@@ -14,7 +14,7 @@ use mcap::records::Record;
 use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use mcap::{MAGIC, McapError, parse_record};
 use prost::Message as _;
-use wisdom_grid::Raster;
+use wisdom_grid::{GridSpec, Raster, Window};
 
 use crate::record::{self, CHAIN_START, hex};
 use crate::write::{END, RUN};
@@ -247,14 +247,27 @@ impl LogReader {
         let grid = Grid::decode(data.as_slice())
             .map_err(|error| malformed(("message", error.to_string(), "a foxglove.Grid")))?;
         let plane = view::plane(&grid).map_err(malformed)?;
-        let edge = |key: &str| self.metadata.get(key).and_then(|text| text.parse::<f64>().ok());
-        Ok(match (edge("grid_west_m"), edge("grid_north_m")) {
-            (Some(west_m), Some(north_m)) => {
-                let spec = plane.spec().at(west_m, north_m);
-                Raster::from_fn(spec, |cell| plane[cell])
-            }
-            _ => plane,
-        })
+        let Some(run) = self.run_grid() else { return Ok(plane) };
+        // The map may cover a part of the run's grid; where it begins says how many cells lie before it.
+        let corner = grid.pose.and_then(|pose| pose.position);
+        let cells = |metres: f64| (metres / run.spacing_m()).round() as usize;
+        let (west, south) = corner.map_or((0, 0), |at| (cells(at.x), cells(at.y)));
+        let (rows, cols) = (plane.spec().rows(), plane.spec().cols());
+        let row = run.rows().saturating_sub(south.saturating_add(rows));
+        let spec = run.part(Window { row, col: west, rows, cols }).map_err(|error| {
+            malformed(("pose.position", error.to_string(), "a part of the run's grid"))
+        })?;
+        Raster::from_vec(spec, plane.values().to_vec())
+            .map_err(|error| malformed(("data", error.to_string(), "rows x columns")))
+    }
+
+    /// The run's grid, if the log says where it lies.
+    fn run_grid(&self) -> Option<GridSpec> {
+        let number = |key: &str| self.metadata.get(key)?.parse::<f64>().ok();
+        let count = |key: &str| self.metadata.get(key)?.parse::<usize>().ok();
+        let spec =
+            GridSpec::new(count("grid_rows")?, count("grid_cols")?, number("grid_spacing_m")?);
+        Some(spec.ok()?.at(number("grid_west_m")?, number("grid_north_m")?))
     }
 }
 

@@ -51,7 +51,7 @@ fn name(names: &[String], index: usize) -> String {
     names.get(index).cloned().unwrap_or_else(|| format!("#{index}"))
 }
 
-/// The maps that go into the log with a decision. All lie on the run's grid.
+/// The maps that go into the log with a decision. All lie on the run's grid, or on one part of it.
 #[derive(Debug, Clone, Copy)]
 pub struct DecisionMaps<'a> {
     /// The interest that the goals were drawn from, in [0, 1]: `/map/interest`.

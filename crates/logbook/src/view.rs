@@ -40,20 +40,26 @@ pub(crate) fn timestamp(stamp_ns: u64) -> Timestamp {
     Timestamp::new(seconds, (stamp_ns % SECOND_NS) as u32)
 }
 
-/// A map plane. Foxglove's rows begin in the south, ours in the north, so the rows are flipped.
-pub(crate) fn grid(stamp_ns: u64, plane: &Raster<f32>) -> Grid {
+/// A map plane over the run's grid, or over a part of it. Foxglove's rows begin in the south, ours in the north,
+/// so the rows are flipped.
+pub(crate) fn grid(stamp_ns: u64, run: GridSpec, plane: &Raster<f32>) -> Grid {
     let spec = plane.spec();
-    let data: Vec<u8> = (0..spec.rows())
+    let data: Vec<u8> = plane
+        .values()
+        .chunks(spec.cols())
         .rev()
-        .flat_map(|row| plane.row(row).iter().flat_map(|value| value.to_le_bytes()))
+        .flat_map(|row| row.iter().flat_map(|value| value.to_le_bytes()))
         .collect();
+    let cells_from = |edge: usize, to: usize| (to - edge) as f64 * spec.spacing_m();
+    let south_west = Vector3 {
+        x: cells_from(run.first().col, spec.first().col),
+        y: cells_from(spec.first().row + spec.rows(), run.first().row + run.rows()),
+        z: 0.0,
+    };
     Grid {
         timestamp: Some(timestamp(stamp_ns)),
         frame_id: MAP.to_owned(),
-        pose: Some(Pose {
-            position: Some(Vector3 { x: 0.0, y: 0.0, z: 0.0 }),
-            orientation: Some(UPRIGHT),
-        }),
+        pose: Some(Pose { position: Some(south_west), orientation: Some(UPRIGHT) }),
         column_count: spec.cols() as u32,
         cell_size: Some(Vector2 { x: spec.spacing_m(), y: spec.spacing_m() }),
         row_stride: (spec.cols() * CELL_BYTES) as u32,
@@ -263,21 +269,32 @@ pub(crate) fn scene(
 
 #[cfg(test)]
 mod tests {
+    use wisdom_grid::Window;
+
     use super::*;
 
     #[test]
     fn the_first_row_of_a_foxglove_grid_is_the_south() {
         let spec = GridSpec::new(2, 2, 0.5).unwrap();
         let map = Raster::from_vec(spec, vec![1.0, 2.0, 3.0, 4.0]).unwrap();
-        let message = grid(0, &map);
+        let message = grid(0, spec, &map);
         assert_eq!(message.data[..4], 3.0_f32.to_le_bytes());
         assert_eq!(plane(&message).unwrap(), map);
     }
 
     #[test]
+    fn a_map_of_a_part_of_the_ground_lies_where_the_part_lies() {
+        let run = GridSpec::new(100, 200, 0.5).unwrap().at(1000.0, -500.0);
+        let part = run.part(Window { row: 10, col: 20, rows: 30, cols: 40 }).unwrap();
+        let message = grid(0, run, &Raster::filled(part, 1.0));
+        let place = message.pose.and_then(|pose| pose.position).unwrap();
+        assert_eq!((place.x, place.y), (10.0, 30.0));
+    }
+
+    #[test]
     fn a_grid_that_is_not_ours_is_refused_by_field() {
         let spec = GridSpec::new(2, 2, 0.5).unwrap();
-        let whole = grid(0, &Raster::filled(spec, 1.0));
+        let whole = grid(0, spec, &Raster::filled(spec, 1.0));
         let cut = Grid { data: whole.data.slice(..9), ..whole.clone() };
         let wide = Grid { column_count: 0, row_stride: 0, ..whole.clone() };
         let flat = Grid { cell_size: None, ..whole.clone() };

@@ -279,8 +279,8 @@ impl<S: Store> LogWriter<S> {
         let planes =
             std::iter::once(("interest", maps.interest)).chain(maps.others.iter().copied());
         for (name, plane) in planes {
-            if plane.spec() != self.setting.grid {
-                let (found, expected) = (plane.spec(), self.setting.grid);
+            let (found, expected) = (plane.spec(), self.setting.grid);
+            if expected.part(found.window()) != Ok(found) {
                 return Err(LogError::GridMismatch { name: name.to_owned(), found, expected });
             }
             if self.options.maps {
@@ -292,7 +292,7 @@ impl<S: Store> LogWriter<S> {
 
     fn map(&mut self, topic: &str, number: u32, plane: &Raster<f32>) -> Result<(), LogError> {
         let stamp_ns = self.tick();
-        self.view(topic, number, stamp_ns, &view::grid(stamp_ns, plane))
+        self.view(topic, number, stamp_ns, &view::grid(stamp_ns, self.setting.grid, plane))
     }
 
     fn pose(&mut self, number: u32, pose: Pose) -> Result<(), LogError> {

@@ -6,8 +6,9 @@ use wisdom_autonomy::{
     Act, Autonomy, AutonomyError, Decision, Observation, Outcome, Pose, Spent, StepResult,
 };
 use wisdom_goals::{Action, Cause, GoalId};
-use wisdom_grid::Cell;
+use wisdom_grid::{Cell, Window};
 use wisdom_planner::Route;
+use wisdom_terrain::TerrainError;
 
 use crate::{Mission, RecordError, Recorder, Ruler};
 
@@ -165,6 +166,9 @@ pub enum RunError {
     /// The core refused something.
     #[error("the autonomy core stopped: {0}")]
     Autonomy(#[from] AutonomyError),
+    /// The true ground could not be read.
+    #[error("the ground could not be read: {0}")]
+    Ground(#[from] TerrainError),
     /// A record could not be kept.
     #[error("the record could not be kept: {0}")]
     Record(#[from] RecordError),
@@ -182,10 +186,12 @@ pub fn run(
     watch: &mut dyn FnMut(&Progress<'_>) -> bool,
 ) -> Result<RunSummary, RunError> {
     let rover = Autonomy::new(mission.spec.clone())?;
+    let charted = rover.working_map();
     let start = mission.world.execution().start;
     let simulation = Simulation {
         mission,
         rover,
+        charted,
         recorder,
         watch,
         pose: Pose { cell: start, heading_rad: mission.world.execution().heading_rad },
@@ -227,6 +233,8 @@ enum Drive {
 struct Simulation<'a> {
     mission: &'a Mission,
     rover: Autonomy,
+    /// The part of the ground whose view from before the first look the rover has.
+    charted: Window,
     recorder: &'a mut dyn Recorder,
     watch: &'a mut dyn FnMut(&Progress<'_>) -> bool,
     pose: Pose,
@@ -244,7 +252,7 @@ struct Simulation<'a> {
 
 impl Simulation<'_> {
     fn run(mut self) -> Result<RunSummary, RunError> {
-        let prior = self.mission.world.prior(&self.mission.spec.layers);
+        let prior = self.mission.world.prior(&self.mission.spec.layers, self.charted)?;
         self.observe(prior)?;
         self.look()?;
         self.summary.status = loop {
@@ -267,6 +275,7 @@ impl Simulation<'_> {
             };
             self.recorder.outcome(&outcome)?;
             self.rover.report(&outcome)?;
+            self.chart()?;
             if self.is_spent() {
                 // The budget is gone: one last decision says what became of the goals, and the rover waits.
                 self.decide()?;
@@ -311,7 +320,7 @@ impl Simulation<'_> {
                     target: goal.target,
                     interest: goal.interest,
                     prize: goal.prize,
-                    ruler: self.ruler.interest(goal.target),
+                    ruler: self.ruler.interest(goal.target)?,
                     time_s: self.spent.time_s,
                 });
             }
@@ -330,7 +339,18 @@ impl Simulation<'_> {
         self.recorder.observation(&observation)?;
         self.rover.observe(&observation)?;
         self.observations += 1;
-        Ok(())
+        self.chart()
+    }
+
+    /// Hands over what was known of the ground beforehand where the working map has moved to.
+    fn chart(&mut self) -> Result<(), RunError> {
+        let working = self.rover.working_map();
+        if working == self.charted {
+            return Ok(());
+        }
+        self.charted = working;
+        let prior = self.mission.world.prior(&self.mission.spec.layers, working)?;
+        if prior.is_empty() { Ok(()) } else { self.observe(prior) }
     }
 
     /// A look with all instruments, unless the last one was from here.
@@ -338,7 +358,7 @@ impl Simulation<'_> {
         if self.last_look == Some(self.pose.cell) || self.mission.world.instruments().is_empty() {
             return Ok(());
         }
-        let windows = self.mission.world.look(self.pose, self.looks);
+        let windows = self.mission.world.look(self.pose, self.looks)?;
         self.looks += 1;
         self.last_look = Some(self.pose.cell);
         self.observe(windows)?;
@@ -469,9 +489,9 @@ impl Simulation<'_> {
         let mut since_look_m = 0.0;
         for pair in route.cells.windows(2) {
             let (from, to) = (pair[0], pair[1]);
-            let Some(cost) = world.ground().edge(from, to) else {
+            let Some(cost) = world.edge(from, to)? else {
                 // The reactive layer: ground the map took for passable is not.
-                self.observe(world.close_look(from))?;
+                self.observe(world.close_look(from)?)?;
                 return Ok(Drive::Blocked);
             };
             let entry = self.entries.entry(to).and_modify(|n| *n += 1).or_insert(1);

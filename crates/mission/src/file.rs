@@ -63,6 +63,8 @@ pub(crate) struct TerrainFile {
     pub spacing_m: Option<f64>,
     /// Radius of the body, metres; without it the ground is a plane.
     pub body_radius_m: Option<f64>,
+    /// Side of the map the rover works on, cells: it moves with the rover over ground that is read piece by piece.
+    pub working_cells: Option<usize>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
@@ -106,6 +108,8 @@ pub(crate) struct LayerFile {
     pub sigma: Option<f64>,
     /// Classes that a wrong reading may take.
     pub classes: Option<Vec<u16>>,
+    /// How files on another grid are brought onto that of the elevation.
+    pub resample: Option<String>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Default)]

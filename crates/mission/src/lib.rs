@@ -4,9 +4,12 @@ mod campaign;
 mod closed_loop;
 mod error;
 mod file;
+mod ground;
 mod mission;
 mod recorder;
 mod ruler;
+mod supply;
+mod truth;
 mod world;
 
 pub use campaign::{

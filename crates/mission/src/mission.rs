@@ -16,12 +16,12 @@ use wisdom_goals::{
 };
 use wisdom_grid::{Cell, GridSpec};
 use wisdom_planner::PlannerError;
-use wisdom_terrain::Landscape;
-use wisdom_terrain::format::MAX_CELLS;
 
 use crate::MissionError;
-use crate::file::{DerivedName, ExpertFile, FirstLookU, Kind, MissionFile, PriorKind, UpdateName};
-use crate::world::{Execution, Instrument, LayerTruth, Prior, ReadingKind, World};
+use crate::file::{DerivedName, ExpertFile, FirstLookU, MissionFile, PriorKind, UpdateName};
+use crate::supply::{Carried, Files, Folder, Supply};
+use crate::truth::{LayerTruth, ReadingKind};
+use crate::world::{Execution, Instrument, Prior, World};
 
 /// The name of the file that a mission's folder is read from.
 pub const MISSION_FILE: &str = "mission.toml";
@@ -75,13 +75,7 @@ impl Mission {
         let name = file
             .file_name()
             .map_or_else(|| MISSION_FILE.into(), |n| n.to_string_lossy().into_owned());
-        let folder = file.parent().map(Path::to_path_buf).unwrap_or_default();
-        let mut read = |relative: &str| {
-            let place = if relative == MISSION_FILE { file.clone() } else { folder.join(relative) };
-            std::fs::read(&place)
-                .map_err(|error| MissionError::of_file(&place.display().to_string(), error))
-        };
-        Self::read(&mut read, &name, overrides)
+        Self::read(&mut Folder { file: &file }, &name, overrides)
     }
 
     /// Reads a mission from the files that a log carries.
@@ -89,33 +83,24 @@ impl Mission {
     /// # Errors
     /// [`MissionError`] as [`Mission::load`], and for a file that is not among them.
     pub fn from_files(files: &BTreeMap<String, Vec<u8>>) -> Result<Self, MissionError> {
-        let mut read = |relative: &str| {
-            files
-                .get(relative)
-                .cloned()
-                .ok_or_else(|| MissionError::of_file(relative, "is not among the mission's files"))
-        };
-        Self::read(&mut read, MISSION_FILE, &[])
+        Self::read(&mut Carried(files), MISSION_FILE, &[])
     }
 
     /// Reads all files; `name` is what the mission's own file is called in errors.
-    fn read(read: Fetch<'_>, name: &str, overrides: &[Override]) -> Result<Self, MissionError> {
-        let mut files = BTreeMap::new();
-        let text = text_of(name, read(MISSION_FILE)?)?;
+    fn read(
+        supply: &mut dyn Supply,
+        name: &str,
+        overrides: &[Override],
+    ) -> Result<Self, MissionError> {
+        let text = text_of(name, supply.bytes(MISSION_FILE)?)?;
         let text = changed(text, overrides)?;
-        files.insert(MISSION_FILE.to_owned(), text.clone().into_bytes());
         let parsed: MissionFile =
             toml::from_str(&text).map_err(|e| MissionError::of_toml(name, &text, &e))?;
-        let mut fetch = |path: &str| -> Result<Vec<u8>, MissionError> {
-            if let Some(bytes) = files.get(path) {
-                return Ok(bytes.clone());
-            }
-            let bytes = read(path)?;
-            files.insert(path.to_owned(), bytes.clone());
-            Ok(bytes)
-        };
+        let own = (MISSION_FILE.to_owned(), text.clone().into_bytes());
+        let mut files = Files { supply, taken: BTreeMap::from([own]) };
         let reader = Reader { name, file: &parsed, text: &text };
-        let (spec, world) = reader.assemble(&mut fetch)?;
+        let (spec, world) = reader.assemble(&mut files)?;
+        let files = files.taken;
         let mut digest = blake3::Hasher::new();
         for (path, bytes) in &files {
             digest.update(&(path.len() as u64).to_le_bytes());
@@ -136,7 +121,7 @@ impl Mission {
     }
 }
 
-fn text_of(file: &str, bytes: Vec<u8>) -> Result<String, MissionError> {
+pub(crate) fn text_of(file: &str, bytes: Vec<u8>) -> Result<String, MissionError> {
     String::from_utf8(bytes).map_err(|error| {
         let valid = error.utf8_error().valid_up_to();
         let found = error.as_bytes()[valid];
@@ -227,18 +212,15 @@ const MAX_FAMILY: usize = 100;
 const MAX_POSES: usize = 4;
 
 /// Turns the shape of a file into a spec and a world.
-struct Reader<'a> {
+pub(crate) struct Reader<'a> {
     /// What the mission's file is called in errors.
     name: &'a str,
-    file: &'a MissionFile,
+    pub(crate) file: &'a MissionFile,
     text: &'a str,
 }
 
-/// Gives the bytes of a file by its path in the mission's folder.
-type Fetch<'a> = &'a mut dyn FnMut(&str) -> Result<Vec<u8>, MissionError>;
-
 impl Reader<'_> {
-    fn error(&self, path: &[&str], message: impl std::fmt::Display) -> MissionError {
+    pub(crate) fn error(&self, path: &[&str], message: impl std::fmt::Display) -> MissionError {
         MissionError::at_key(self.name, self.text, path, message)
     }
 
@@ -256,7 +238,13 @@ impl Reader<'_> {
     }
 
     /// A count that must lie in a range.
-    fn counted<T>(&self, path: &[&str], value: T, low: T, high: T) -> Result<T, MissionError>
+    pub(crate) fn counted<T>(
+        &self,
+        path: &[&str],
+        value: T,
+        low: T,
+        high: T,
+    ) -> Result<T, MissionError>
     where
         T: Copy + PartialOrd + std::fmt::Display,
     {
@@ -278,22 +266,22 @@ impl Reader<'_> {
         name.map_or_else(|| Ok(T::default()), |n| n.parse().map_err(|e| self.error(&[key], e)))
     }
 
-    fn assemble(&self, fetch: Fetch<'_>) -> Result<(Spec, World), MissionError> {
+    fn assemble(&self, files: &mut Files<'_>) -> Result<(Spec, World), MissionError> {
         let file = self.file;
         let fits = |c: char| c.is_ascii_alphanumeric() || "._-".contains(c);
         if file.name.is_empty() || file.name.starts_with('.') || !file.name.chars().all(fits) {
             let message = "expected letters, digits, `.`, `_` and `-`: logs are named after it";
             return Err(self.error(&["name"], format!("`{}`; {message}", file.name)));
         }
-        let mut truth = self.truth(fetch)?;
-        let grid = truth[ELEVATION].layer.spec();
+        let mut truth = self.truth(files)?;
+        let grid = truth[ELEVATION].grid;
         self.within(&["terrain", "spacing-m"], grid.spacing_m(), 1e-3, FAR_M)?;
         let layers = self.layers(&truth)?;
         let experts = file
             .experts
             .iter()
             .enumerate()
-            .map(|(i, path)| Self::expert(i, path, &layers, fetch))
+            .map(|(i, path)| Self::expert(i, path, &layers, files))
             .collect::<Result<Vec<_>, _>>()?;
         if experts.is_empty() {
             return Err(self.error(&["experts"], "none; expected at least one table"));
@@ -337,6 +325,7 @@ impl Reader<'_> {
         let within = |path: &[&str], value, low, high| self.within(path, value, low, high);
         let spec = Spec {
             grid,
+            working_cells: self.working_cells(grid)?,
             layers,
             experts,
             fusion,
@@ -452,156 +441,6 @@ impl Reader<'_> {
     }
 
     /// The true layers, from a landscape or from files, all on one grid.
-    fn truth(&self, fetch: Fetch<'_>) -> Result<BTreeMap<String, LayerTruth>, MissionError> {
-        let file = self.file;
-        let rendered = match &file.terrain.landscape {
-            None => BTreeMap::new(),
-            Some(path) => {
-                let text = text_of(path, fetch(path)?)?;
-                let landscape: Landscape =
-                    toml::from_str(&text).map_err(|e| MissionError::of_toml(path, &text, &e))?;
-                let (Some(rows), Some(cols)) = (file.terrain.rows, file.terrain.cols) else {
-                    return Err(self.error(&["terrain"], "a landscape needs `rows` and `cols`"));
-                };
-                let spec = GridSpec::new(rows, cols, file.terrain.spacing_m.unwrap_or(1.0))
-                    .map_err(|e| self.error(&["terrain"], e))?;
-                if spec.len() > MAX_CELLS {
-                    let message =
-                        format!("{rows} x {cols} cells; expected at most {MAX_CELLS} cells");
-                    return Err(self.error(&["terrain", "rows"], message));
-                }
-                landscape.render(spec, file.seed)
-            }
-        };
-        if file.terrain.landscape.is_none() {
-            let of_landscapes = [
-                ("rows", file.terrain.rows.is_some()),
-                ("cols", file.terrain.cols.is_some()),
-                ("spacing-m", file.terrain.spacing_m.is_some()),
-            ];
-            if let Some((key, _)) = of_landscapes.into_iter().find(|(_, given)| *given) {
-                let message = "only a `landscape` takes this; terrain files bring their own grid";
-                return Err(self.error(&["terrain", key], message));
-            }
-        }
-        let mut truth: BTreeMap<String, LayerTruth> = BTreeMap::new();
-        for (i, layer) in file.layer.iter().enumerate() {
-            let index = i.to_string();
-            let at = |key: &'static str| ["layer", index.as_str(), key].map(str::to_owned);
-            let error = |key: &'static str, message: String| {
-                self.error(&at(key).each_ref().map(String::as_str), message)
-            };
-            if file.layer[..i].iter().any(|earlier| earlier.name == layer.name) {
-                return Err(error("name", format!("layer `{}` is given twice", layer.name)));
-            }
-            if layer.derived.is_some() {
-                let of_measured = [
-                    ("file", layer.file.is_some()),
-                    ("uncertainty-file", layer.uncertainty_file.is_some()),
-                    ("kind", layer.kind.is_some()),
-                    ("update", layer.update.is_some()),
-                    ("sigma", layer.sigma.is_some()),
-                    ("classes", layer.classes.is_some()),
-                ];
-                if let Some((key, _)) = of_measured.into_iter().find(|(_, given)| *given) {
-                    let message =
-                        format!("`{}` is derived; only measured layers take this", layer.name);
-                    return Err(error(key, message));
-                }
-                continue;
-            }
-            let values = match (&layer.file, rendered.get(&layer.name)) {
-                (Some(path), _) => {
-                    let grid = wisdom_terrain::format::read(path, &fetch(path)?)
-                        .map_err(|e| error("file", e.to_string()))?;
-                    grid.into_layer().map_err(|e| error("file", e.to_string()))?
-                }
-                (None, Some(raster)) => wisdom_terrain::Layer::certain(raster.clone())
-                    .map_err(|e| error("name", e.to_string()))?,
-                (None, None) => {
-                    let known: Vec<&str> = rendered.keys().map(String::as_str).collect();
-                    let expected = if known.is_empty() {
-                        "expected a `file` with its true values".to_owned()
-                    } else {
-                        format!(
-                            "expected a `file`, or a layer of the landscape: {}",
-                            known.join(", ")
-                        )
-                    };
-                    return Err(error(
-                        "name",
-                        format!("nothing gives `{}`; {expected}", layer.name),
-                    ));
-                }
-            };
-            let site_u = match &layer.uncertainty_file {
-                None => None,
-                Some(path) => {
-                    let grid = wisdom_terrain::format::read(path, &fetch(path)?)
-                        .map_err(|e| error("uncertainty-file", e.to_string()))?;
-                    let known = |cell| grid.known[cell];
-                    let off = |(cell, u): &(Cell, &f32)| known(*cell) && !(0.0..=1.0).contains(*u);
-                    if let Some((cell, u)) = grid.raster.iter().find(off) {
-                        let message =
-                            format!("{path}: {u} at {cell}; expected numbers from 0 to 1");
-                        return Err(error("uncertainty-file", message));
-                    }
-                    let of = |cell| if known(cell) { grid.raster[cell] } else { 1.0 };
-                    Some(wisdom_grid::Raster::from_fn(grid.raster.spec(), of))
-                }
-            };
-            let kind = match layer.kind.unwrap_or(Kind::Scalar) {
-                Kind::Scalar => {
-                    let sigma = layer.sigma.unwrap_or(0.0);
-                    if !(sigma.is_finite() && sigma >= 0.0) {
-                        return Err(error(
-                            "sigma",
-                            format!("{sigma}; expected a number of at least 0"),
-                        ));
-                    }
-                    ReadingKind::Scalar { sigma }
-                }
-                Kind::Class => {
-                    let classes = layer.classes.clone().unwrap_or_default();
-                    if classes.len() < 2 {
-                        return Err(error(
-                            "classes",
-                            "a class layer needs at least two `classes`".into(),
-                        ));
-                    }
-                    ReadingKind::Class { classes: classes.into_iter().map(f32::from).collect() }
-                }
-            };
-            let other_grid = |key, what: &str, found: GridSpec, name: &str, expected: GridSpec| {
-                let message = format!(
-                    "{what} lies on {}, `{name}` on {}; the layers of a mission share one grid",
-                    shown(found),
-                    shown(expected)
-                );
-                error(key, message)
-            };
-            if let Some((name, first)) = truth.iter().next()
-                && first.layer.spec() != values.spec()
-            {
-                let key = if layer.file.is_some() { "file" } else { "name" };
-                let (found, expected) = (values.spec(), first.layer.spec());
-                return Err(other_grid(key, &format!("`{}`", layer.name), found, name, expected));
-            }
-            if let Some(u) = site_u.as_ref().filter(|u| u.spec() != values.spec()) {
-                let (found, expected) = (u.spec(), values.spec());
-                let key = "uncertainty-file";
-                return Err(other_grid(key, "the uncertainty", found, &layer.name, expected));
-            }
-            truth.insert(layer.name.clone(), LayerTruth { layer: values, site_u, kind });
-        }
-        if !truth.contains_key(ELEVATION) {
-            return Err(
-                self.error(&["layer"], "no measured layer is named `elevation`; routes need one")
-            );
-        }
-        Ok(truth)
-    }
-
     fn layers(&self, truth: &BTreeMap<String, LayerTruth>) -> Result<Vec<LayerSpec>, MissionError> {
         self.file
             .layer
@@ -636,9 +475,9 @@ impl Reader<'_> {
         index: usize,
         path: &str,
         layers: &[LayerSpec],
-        fetch: Fetch<'_>,
+        files: &mut Files<'_>,
     ) -> Result<Expert, MissionError> {
-        let text = text_of(path, fetch(path)?)?;
+        let text = text_of(path, files.bytes(path)?)?;
         let file: ExpertFile =
             toml::from_str(&text).map_err(|e| MissionError::of_toml(path, &text, &e))?;
         let error =
@@ -984,7 +823,7 @@ fn row_at_fault(file: &ExpertFile, error: &FusionError) -> Option<(&'static str,
 }
 
 /// A grid in words.
-fn shown(grid: GridSpec) -> String {
+pub(crate) fn shown(grid: GridSpec) -> String {
     format!(
         "a grid of {} x {} cells of {} m with its north-west corner at ({}, {})",
         grid.rows(),

@@ -1,18 +1,27 @@
 //! The common ruler: what the rule `dsmc` makes of the world as it truly is, without noise or hidden ground.
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-use wisdom_autonomy::{ELEVATION, Source};
+use wisdom_autonomy::{ELEVATION, Source, Spec};
 use wisdom_belief::Rule;
 use wisdom_fusion::{Fusion, belief_map};
-use wisdom_grid::{Cell, Raster};
-use wisdom_terrain::Layer;
+use wisdom_grid::{Cell, Raster, Window};
+use wisdom_terrain::{Layer, TerrainError};
 
-use crate::Mission;
+use crate::{Mission, World};
 
 /// Interest as it truly is, the same for every rule that is compared.
 #[derive(Debug, Clone)]
-pub struct Ruler(Raster<f32>);
+pub struct Ruler(Measure);
+
+#[derive(Debug, Clone)]
+enum Measure {
+    /// The whole map.
+    Whole(Raster<f32>),
+    /// Ground that does not lie in memory is measured where it is asked for.
+    Local { spec: Box<Spec>, world: Box<World> },
+}
 
 impl Ruler {
     /// The ruler of a mission's world.
@@ -21,33 +30,46 @@ impl Ruler {
     /// Never for a mission that was loaded: loading checks what is looked up here.
     #[must_use]
     pub fn new(mission: &Mission) -> Self {
-        let spec = &mission.spec;
-        let mut layers: BTreeMap<String, Layer> = BTreeMap::new();
-        let elevation = mission.world.truth(ELEVATION).expect("a mission has an elevation");
-        for layer in &spec.layers {
-            let values = match layer.source {
-                Source::Measured(_) => {
-                    mission.world.truth(&layer.name).expect("measured layers have a truth").clone()
-                }
-                Source::Derived(derivation) => {
-                    derivation.of(elevation, spec.vehicle.footprint_radius_m)
-                }
-            };
-            layers.insert(layer.name.clone(), values);
+        let (spec, world) = (&mission.spec, &mission.world);
+        if world.ground().is_none() {
+            let (spec, world) = (Box::new(spec.clone()), Box::new(world.clone()));
+            return Self(Measure::Local { spec, world });
         }
-        let fusion = Fusion { rule: Rule::Dsmc, ..Fusion::default() };
-        Self(belief_map(&spec.experts, &layers, &fusion).expect("loading checked the experts"))
+        let whole = measured(spec, world, spec.grid.window());
+        Self(Measure::Whole(whole.expect("what lies in memory can be read")))
     }
 
     /// True interest at a cell.
-    #[must_use]
-    pub fn interest(&self, cell: Cell) -> f64 {
-        f64::from(self.0[cell])
+    ///
+    /// # Errors
+    /// [`TerrainError`] if the ground there cannot be read.
+    pub fn interest(&self, cell: Cell) -> Result<f64, TerrainError> {
+        let interest = match &self.0 {
+            Measure::Whole(map) => map[cell],
+            Measure::Local { spec, world } => {
+                // A derived layer reaches as far as the rover's footprint, at least one cell.
+                let reach = spec.vehicle.footprint_radius_m / spec.grid.spacing_m();
+                let near = spec.grid.around(cell, reach.round().max(1.0) as usize);
+                measured(spec, world, near)?[cell]
+            }
+        };
+        Ok(f64::from(interest))
     }
+}
 
-    /// The whole map.
-    #[must_use]
-    pub fn map(&self) -> &Raster<f32> {
-        &self.0
+/// True interest of at least a window, of which the cells at its edges may lack neighbours.
+fn measured(spec: &Spec, world: &World, window: Window) -> Result<Raster<f32>, TerrainError> {
+    let mut layers: BTreeMap<String, Layer> = BTreeMap::new();
+    let elevation = world.truth_near(ELEVATION, window)?;
+    for layer in &spec.layers {
+        let values = match layer.source {
+            Source::Measured(_) => world.truth_near(&layer.name, window)?,
+            Source::Derived(derivation) => {
+                Cow::Owned(derivation.of(&elevation, spec.vehicle.footprint_radius_m))
+            }
+        };
+        layers.insert(layer.name.clone(), values.into_owned());
     }
+    let fusion = Fusion { rule: Rule::Dsmc, ..Fusion::default() };
+    Ok(belief_map(&spec.experts, &layers, &fusion).expect("loading checked the experts"))
 }

@@ -118,7 +118,7 @@ fn check_spending(run: &Run, observations: &[(u32, Spent)]) {
         assert_eq!(outcome.track.last(), Some(&outcome.pose.cell));
     }
     assert!(run.summary.spent.data_mb <= run.mission.spec.budget.data_mb);
-    let ground = run.mission.world.ground();
+    let ground = run.mission.world.ground().expect("it is in memory");
     for step in run.summary.track.windows(2) {
         assert!(ground.edge(step[0], step[1]).is_some(), "{} to {}", step[0], step[1]);
     }

@@ -413,7 +413,7 @@ fn overrides_change_values_by_path_and_index() {
     assert_eq!(mission.summary, "a \"quoted\" summary");
     assert_eq!(mission.overrides.len(), 8);
     let layers = &mission.spec.layers;
-    let prior = mission.world.prior(layers);
+    let prior = mission.world.prior(layers, mission.spec.grid.window()).expect("it is in memory");
     let elevation = prior.iter().find(|w| w.layer == "elevation").expect("it is known");
     assert_eq!(elevation.uncertainty[81 * 101 + 66], 0.5);
 }
@@ -422,7 +422,10 @@ fn overrides_change_values_by_path_and_index() {
 fn the_control_prior_is_one_override_away() {
     for name in ["paper", "marias-pass"] {
         let mission = load(name, &[("prior.kind", "complete")]).expect("the other keys may stay");
-        let prior = mission.world.prior(&mission.spec.layers);
+        let prior = mission
+            .world
+            .prior(&mission.spec.layers, mission.spec.grid.window())
+            .expect("it is in memory");
         assert!(prior.iter().all(|w| w.uncertainty.iter().all(|u| *u == 0.0 || *u == 1.0)));
     }
 }

@@ -55,7 +55,7 @@ fn readings(window: &LayerWindow) -> impl Iterator<Item = (Cell, f32, f32)> + '_
 #[test]
 fn uncertainty_grows_with_the_square_of_the_distance() {
     let world = mission(&level(), &[]).world;
-    let windows = world.look(pose(MIDDLE), 0);
+    let windows = world.look(pose(MIDDLE), 0).expect("it is in memory");
     assert_eq!(windows.len(), 3);
     for window in &windows {
         let mut seen = 0;
@@ -81,7 +81,7 @@ fn hidden_cells_stay_unknown_in_every_layer() {
     let observer = Observer { range_m: Some(15.0), ..Observer::all_round(MIDDLE, 3.0) };
     let sight = viewshed(elevation, &observer);
     let mut hidden = 0;
-    for window in world.look(pose(MIDDLE), 0) {
+    for window in world.look(pose(MIDDLE), 0).expect("it is in memory") {
         for (cell, value, u) in readings(&window) {
             let near = cell.distance(MIDDLE) < 15.0;
             assert_eq!(near && sight.is_visible(cell), u < 1.0, "{}: {cell}", window.layer);
@@ -99,7 +99,7 @@ fn a_narrow_camera_sees_only_ahead() {
     let narrow = ("u0 = 0.02", "u0 = 0.02\nfield-of-view-deg = 90.0");
     let world = mission(&level(), &[narrow]).world;
     let east = Pose { cell: MIDDLE, heading_rad: std::f64::consts::FRAC_PI_2 };
-    let windows = world.look(east, 0);
+    let windows = world.look(east, 0).expect("it is in memory");
     let seen = |cell: Cell| {
         readings(of(&windows, "elevation")).any(|(near, _, u)| near == cell && u < 1.0)
     };
@@ -110,16 +110,20 @@ fn a_narrow_camera_sees_only_ahead() {
 #[test]
 fn readings_depend_on_seed_cell_and_look_and_on_nothing_else() {
     let world = mission(ROCK, &[]).world;
-    let ask = |look: u32| world.look(pose(MIDDLE), look);
+    let ask = |look: u32| world.look(pose(MIDDLE), look).expect("it is in memory");
     let forwards: Vec<_> = (0..4).map(ask).collect();
     let mut backwards: Vec<_> = (0..4).rev().map(ask).collect();
     backwards.reverse();
     assert_eq!(forwards, backwards);
     assert_ne!(forwards[0], forwards[1], "another look has other errors");
     let other = mission(ROCK, &[("seed = 1", "seed = 2")]).world;
-    assert_ne!(other.look(pose(MIDDLE), 0), forwards[0], "another seed has other errors");
+    assert_ne!(
+        other.look(pose(MIDDLE), 0).expect("it is in memory"),
+        forwards[0],
+        "another seed has other errors"
+    );
     // From another place the same draw is scaled by another u.
-    let there = world.look(pose(Cell { row: 24, col: 21 }), 0);
+    let there = world.look(pose(Cell { row: 24, col: 21 }), 0).expect("it is in memory");
     let errors = |windows: &[LayerWindow]| {
         readings(of(windows, "temperature"))
             .filter(|(_, _, u)| *u < 1.0)
@@ -142,7 +146,7 @@ fn readings_depend_on_seed_cell_and_look_and_on_nothing_else() {
 fn many(world: &World, layer: &str, count: u32) -> Vec<(f64, f64)> {
     (0..count)
         .flat_map(|look| {
-            let windows = world.look(pose(MIDDLE), look);
+            let windows = world.look(pose(MIDDLE), look).expect("it is in memory");
             readings(of(&windows, layer))
                 .filter(|(_, _, u)| *u < 1.0)
                 .map(|(_, value, u)| (f64::from(value), f64::from(u)))
@@ -190,7 +194,8 @@ fn quantities_are_off_by_sigma_times_their_uncertainty() {
 }
 
 fn prior(mission: &Mission) -> Vec<LayerWindow> {
-    mission.world.prior(&mission.spec.layers)
+    let whole = mission.spec.grid.window();
+    mission.world.prior(&mission.spec.layers, whole).expect("it is in memory")
 }
 
 #[test]
@@ -281,7 +286,7 @@ fn the_hazard_cameras_judge_the_step_that_stopped_the_rover() {
         "[execution]\nhazard-camera-m = 0.0\n\n[rover.vehicle]\nfootprint-radius-m = 3.0",
     );
     let world = mission(ROCK, &[wide]).world;
-    let windows = world.close_look(MIDDLE);
+    let windows = world.close_look(MIDDLE).expect("it is in memory");
     assert_eq!(windows.len(), 1);
     let seen = of(&windows, "elevation");
     // One step, and the footprint around where it leads.

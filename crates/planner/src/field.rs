@@ -187,7 +187,8 @@ impl Field<'_> {
 
     /// Where a cell lies in `nodes`.
     fn slot(&self, cell: Cell) -> usize {
-        cell.row * self.stride + cell.col
+        let first = self.ground.spec().first();
+        (cell.row - first.row) * self.stride + (cell.col - first.col)
     }
 
     /// The cell's index in a raster.

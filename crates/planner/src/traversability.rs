@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 use wisdom_grid::{Cell, GridSpec, Raster};
-use wisdom_terrain::Layer;
+use wisdom_terrain::{Kernel, Layer, Measure, measure};
 
 use crate::{CostVector, PlannerError, Vehicle};
 
@@ -66,9 +66,14 @@ impl Traversability {
         let spec = elevation.spec();
         let reach = (vehicle.footprint_radius_m / spec.spacing_m()).round();
         let reach = (reach as usize).clamp(1, spec.rows().max(spec.cols()));
-        let gradient = wisdom_terrain::gradient(elevation);
-        let step = wisdom_terrain::step(elevation);
-        let roughness = wisdom_terrain::roughness(elevation, reach);
+        let [gradient, step, roughness] = measure(
+            elevation,
+            [
+                Measure::Gradient(Kernel::Central),
+                Measure::Step,
+                Measure::Roughness { radius_cells: reach },
+            ],
+        );
 
         let step_limit_m = vehicle.step_limit_m(spec.spacing_m());
         let relief = Raster::par_from_fn(spec, |cell| {
@@ -175,6 +180,12 @@ impl Traversability {
     #[must_use]
     pub fn blocked(&self) -> &Raster<bool> {
         &self.ground.blocked
+    }
+
+    /// Shares of the vehicle's limits that cells reach; 0 where unknown.
+    #[must_use]
+    pub fn severities(&self) -> &Raster<f32> {
+        &self.ground.severity
     }
 
     /// Hazard rates λ, per metre.
@@ -296,14 +307,16 @@ fn open_steps(vehicle: &Vehicle, ground: &Ground) -> Vec<u8> {
 /// For each cell the largest value within `radius` cells, rows and columns counted apart (a square).
 fn worst_within(raster: &Raster<f32>, radius: usize) -> Raster<f32> {
     let spec = raster.spec();
-    let (rows, cols) = (spec.rows(), spec.cols());
-    let along = Raster::par_from_fn(spec, |Cell { row, col }| {
-        let near = col.saturating_sub(radius)..(col + radius + 1).min(cols);
-        raster.row(row)[near].iter().copied().fold(0.0, f32::max)
+    let west = spec.first().col;
+    let along = Raster::par_from_fn(spec, |cell| {
+        let near = spec.around(cell, radius);
+        let near = near.col - west..near.col - west + near.cols;
+        raster.row(cell.row)[near].iter().copied().fold(0.0, f32::max)
     });
-    Raster::par_from_fn(spec, |Cell { row, col }| {
-        (row.saturating_sub(radius)..(row + radius + 1).min(rows))
-            .map(|row| along.row(row)[col])
+    Raster::par_from_fn(spec, |cell| {
+        let near = spec.around(cell, radius);
+        (near.row..near.row + near.rows)
+            .map(|row| along.row(row)[cell.col - west])
             .fold(0.0, f32::max)
     })
 }

@@ -33,7 +33,9 @@ pub enum TerrainError {
         u: f32,
     },
     /// A terrain file of a format that is not read.
-    #[error("{name} is {found}; GeoTIFF and ESRI ASCII grids are read")]
+    #[error(
+        "{name} is {found}; GeoTIFF, PDS3, PDS4, ISIS, PNG, NumPy and ESRI ASCII grids are read"
+    )]
     Format {
         /// The file.
         name: String,
@@ -68,6 +70,22 @@ pub enum TerrainError {
         rows: usize,
         /// Columns it says it has.
         cols: usize,
+    },
+    /// The system refused to read or write a file.
+    #[error("{name}: cannot {action} it: {source}")]
+    Io {
+        /// The file.
+        name: String,
+        /// What was tried: `open`, `write`, ..
+        action: &'static str,
+        /// The system's reason.
+        source: std::io::Error,
+    },
+    /// A way of resampling that is not known.
+    #[error("\"{found}\" is no way of resampling; nearest, bilinear, average and mode are")]
+    Resampling {
+        /// The word found.
+        found: String,
     },
     /// Numbers that are not a grid, or a window that does not fit one.
     #[error(transparent)]

@@ -5,16 +5,17 @@
 //! and within ±10⁹; the ones that are lengths are positive.
 
 use std::collections::BTreeMap;
+use std::fmt;
 
 use serde::{Deserialize, Deserializer, de::Error};
-use wisdom_grid::{Cell, GridSpec, Raster};
+use wisdom_grid::{Cell, GridSpec, Raster, Window};
 
 use crate::unit_noise;
 
 /// A synthetic scene, usually read from a mission's TOML; unknown keys are errors.
 ///
-/// Elevation is base plane + craters + ridges + roughness + the highest rock at each cell. Texture is the class of the last
-/// patch that covers a cell, else the base's. Temperature is the highest hot spot's, else the base's.
+/// Elevation is base plane + craters + ridges + roughness + the highest rock at each cell, named or scattered.
+/// Texture is the class of a scattered rock, else of the last patch that covers a cell, else the base's. Temperature is the highest hot spot's, else the base's.
 ///
 /// ```
 /// # use wisdom_grid::{Cell, GridSpec};
@@ -41,6 +42,8 @@ pub struct Landscape {
     pub roughness: Option<Roughness>,
     /// Rocks.
     pub rock: Vec<Rock>,
+    /// Fields of rocks too many to name.
+    pub scatter: Vec<Scatter>,
     /// Craters.
     pub crater: Vec<Crater>,
     /// Ridges.
@@ -49,6 +52,32 @@ pub struct Landscape {
     pub patch: Vec<Patch>,
     /// Hot spots.
     pub hot_spot: Vec<HotSpot>,
+}
+
+/// What a scene can be drawn as.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum SceneLayer {
+    /// Heights, metres.
+    Elevation,
+    /// Texture classes.
+    Texture,
+    /// Temperatures, in the mission's unit.
+    Temperature,
+}
+
+impl SceneLayer {
+    /// Every layer.
+    pub const ALL: [Self; 3] = [Self::Elevation, Self::Texture, Self::Temperature];
+}
+
+impl fmt::Display for SceneLayer {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Elevation => "elevation",
+            Self::Texture => "texture",
+            Self::Temperature => "temperature",
+        })
+    }
 }
 
 /// The plane that everything stands on.
@@ -113,6 +142,28 @@ pub struct Rock {
     /// Breadth of the wall in plan, cells, measured on the shorter axis.
     #[serde(deserialize_with = "positive")]
     pub wall_cells: f64,
+}
+
+/// A field of half-ellipsoid rocks over the whole scene, each placed and sized by the seed. Where two overlap, the
+/// higher one counts.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Scatter {
+    /// Rocks on a thousand cells, on average.
+    #[serde(deserialize_with = "density")]
+    pub per_1000_cells: f64,
+    /// Smallest and largest radius at the foot, cells.
+    #[serde(deserialize_with = "radii")]
+    pub radius_cells: [f64; 2],
+    /// The number of rocks larger than r falls with r to minus this power.
+    #[serde(deserialize_with = "positive")]
+    pub exponent: f64,
+    /// Height of a rock, metres for each cell of its radius.
+    #[serde(deserialize_with = "finite")]
+    pub height_m_per_cell: f64,
+    /// Texture class of the rocks; that of the ground under them if none.
+    #[serde(default)]
+    pub class: Option<u16>,
 }
 
 /// How a rock's wall rises from foot to top.
@@ -238,20 +289,46 @@ pub struct HotSpot {
 
 impl Landscape {
     /// Draws the scene on a grid: the layers `elevation` (metres), `texture` (class) and `temperature` (the
-    /// mission's unit). The seed moves the roughness and nothing else; same seed, same bits at any thread
+    /// mission's unit). The seed moves the roughness and the scattered rocks, and nothing else; same seed, same bits at any thread
     /// count.
     #[must_use]
     pub fn render(&self, spec: GridSpec, seed: u64) -> BTreeMap<String, Raster<f32>> {
-        let layer = |value: &(dyn Fn(Cell) -> f64 + Sync)| {
-            Raster::par_from_fn(spec, |cell| {
-                value(cell).clamp(f32::MIN.into(), f32::MAX.into()) as f32
-            })
+        let layer = |layer: SceneLayer| (layer.to_string(), self.render_layer(layer, spec, seed));
+        SceneLayer::ALL.map(layer).into()
+    }
+
+    /// Draws one layer, as [`Landscape::render`] does. On a [part](GridSpec::part) of a grid it is that part of the
+    /// whole picture, bit for bit: ground larger than memory is drawn piece by piece.
+    #[must_use]
+    pub fn render_layer(&self, layer: SceneLayer, spec: GridSpec, seed: u64) -> Raster<f32> {
+        let near = self.near(spec.window());
+        Raster::par_from_fn(spec, |cell| {
+            let value = match layer {
+                SceneLayer::Elevation => near.elevation(cell, spec.spacing_m(), seed),
+                SceneLayer::Texture => f64::from(near.texture(point(cell), seed)),
+                SceneLayer::Temperature => near.temperature(point(cell)),
+            };
+            value.clamp(f32::MIN.into(), f32::MAX.into()) as f32
+        })
+    }
+
+    /// The scene without what cannot reach a window. What is left out adds nothing there, so the sums keep their bits.
+    fn near(&self, window: Window) -> Self {
+        let low = [window.col as f64, window.row as f64];
+        let high = [(window.col + window.cols) as f64, (window.row + window.rows) as f64];
+        let touches = |centre: Point, reach: f64| {
+            (0..2).all(|k| centre[k] + reach >= low[k] && centre[k] - reach <= high[k])
         };
-        BTreeMap::from([
-            ("elevation".to_owned(), layer(&|cell| self.elevation(cell, spec.spacing_m(), seed))),
-            ("texture".to_owned(), layer(&|cell| f64::from(self.texture(point(cell))))),
-            ("temperature".to_owned(), layer(&|cell| self.temperature(point(cell)))),
-        ])
+        let mut near = self.clone();
+        // Ground away from a rock has height 0 for it, which counts when the highest is taken: one rock that is out of
+        // reach stays and says so.
+        let mut witness = false;
+        near.rock.retain(|rock| {
+            let reaches = touches(rock.centre, rock.half_axes[0].max(rock.half_axes[1]));
+            reaches || !std::mem::replace(&mut witness, true)
+        });
+        near.hot_spot.retain(|spot| touches(spot.centre, spot.radius_cells));
+        near
     }
 
     fn elevation(&self, cell: Cell, spacing_m: f64, seed: u64) -> f64 {
@@ -262,10 +339,20 @@ impl Landscape {
         let ridges: f64 = self.ridge.iter().map(|ridge| ridge.height(at)).sum();
         let rocks = self.rock.iter().map(|rock| rock.height(at)).reduce(f64::max).unwrap_or(0.0);
         let relief = self.roughness.map_or(0.0, |roughness| roughness.height(at, seed));
+        let scattered = self.scatter.iter().enumerate();
+        let scattered = scattered.map(|(field, scatter)| scatter.height(at, field, seed));
+        let rocks = scattered.fold(rocks, f64::max);
         plane + craters + ridges + relief + rocks
     }
 
-    fn texture(&self, at: Point) -> u16 {
+    fn texture(&self, at: Point, seed: u64) -> u16 {
+        for (field, scatter) in self.scatter.iter().enumerate().rev() {
+            if let Some(class) = scatter.class
+                && scatter.height(at, field, seed) > 0.0
+            {
+                return class;
+            }
+        }
         let patch = self.patch.iter().rev().find(|patch| patch.shape.contains(at));
         patch.map_or(self.base.texture, |patch| patch.class)
     }
@@ -311,6 +398,47 @@ impl Rock {
                 Wall::Smooth => eased(share),
                 Wall::Dome => libm::sqrt(share * (2.0 - share)),
             }
+    }
+}
+
+/// The purpose word of scattered rocks in the keys of [`unit_noise`].
+const SCATTER: u64 = 0x5343_4154_5445;
+
+impl Scatter {
+    /// Height of the highest rock here, 0 between them. Rocks are drawn block by block, so that those near a place are
+    /// known without the rest; a block is as wide as the largest of them.
+    fn height(&self, at: Point, field: usize, seed: u64) -> f64 {
+        let [least, most] = self.radius_cells;
+        let side = 2.0 * most;
+        let mean = self.per_1000_cells / 1000.0 * side * side;
+        let block = |place: f64| (place / side).floor() as i64;
+        let mut highest = 0.0_f64;
+        for row in block(at[1] - most)..=block(at[1] + most) {
+            for col in block(at[0] - most)..=block(at[0] + most) {
+                let draw = |rock: u64, what: u64| {
+                    unit_noise(&[seed, SCATTER, field as u64, col as u64, row as u64, rock, what])
+                };
+                let count = (mean + draw(0, 0)).floor() as u64;
+                for rock in 1..=count {
+                    let centre =
+                        [(col as f64 + draw(rock, 1)) * side, (row as f64 + draw(rock, 2)) * side];
+                    let away = distance(at, centre);
+                    if away >= most {
+                        continue;
+                    }
+                    // The power law's inverse, cut at the largest radius.
+                    let share = 1.0 - libm::pow(least / most, self.exponent);
+                    let radius =
+                        least * libm::pow(1.0 - share * draw(rock, 3), -1.0 / self.exponent);
+                    if away < radius {
+                        let share = away / radius;
+                        let dome = libm::sqrt(1.0 - share * share);
+                        highest = highest.max(self.height_m_per_cell * radius * dome);
+                    }
+                }
+            }
+        }
+        highest
     }
 }
 
@@ -430,6 +558,24 @@ fn finites<'de, D: Deserializer<'de>>(from: D) -> Result<[f64; 2], D::Error> {
 fn positives<'de, D: Deserializer<'de>>(from: D) -> Result<[f64; 2], D::Error> {
     let [a, b] = <[f64; 2]>::deserialize(from)?;
     Ok([checked_length(a)?, checked_length(b)?])
+}
+
+fn density<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
+    let density = f64::deserialize(from)?;
+    if density > 0.0 && density <= 1000.0 {
+        return Ok(density);
+    }
+    let wanted = "above 0 and at most 1000 are wanted";
+    Err(D::Error::custom(format_args!("{density} rocks on a thousand cells; {wanted}")))
+}
+
+fn radii<'de, D: Deserializer<'de>>(from: D) -> Result<[f64; 2], D::Error> {
+    let [least, most] = <[f64; 2]>::deserialize(from)?;
+    if least > 0.0 && least < most && most <= 100.0 {
+        return Ok([least, most]);
+    }
+    let wanted = "two that grow, above 0 and at most 100 cells, are wanted";
+    Err(D::Error::custom(format_args!("radii from {least} to {most}; {wanted}")))
 }
 
 fn octaves<'de, D: Deserializer<'de>>(from: D) -> Result<u8, D::Error> {

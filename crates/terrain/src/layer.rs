@@ -57,6 +57,17 @@ impl Layer {
         Self::new(values, uncertainty)
     }
 
+    /// A layer certain to be 0 everywhere, to be written over. Its planes come zeroed from the allocator, so that
+    /// pages nobody writes are never touched.
+    pub(crate) fn zero(spec: GridSpec) -> Self {
+        Self { values: Raster::filled(spec, 0.0), uncertainty: Raster::filled(spec, 0.0) }
+    }
+
+    /// The readings and their uncertainty, to be written over with what [`Layer::new`] would accept.
+    pub(crate) fn planes_mut(&mut self) -> (&mut [f32], &mut [f32]) {
+        (self.values.values_mut(), self.uncertainty.values_mut())
+    }
+
     /// Where the layer lies.
     #[must_use]
     pub fn spec(&self) -> GridSpec {
@@ -113,7 +124,16 @@ impl Layer {
         self.uncertainty[cell] = u;
     }
 
-    /// A copy of the cells inside a window.
+    /// The same layer in the same place, its cells numbered from `first` on.
+    #[must_use]
+    pub fn numbered_from(self, first: Cell) -> Self {
+        Self {
+            values: self.values.numbered_from(first),
+            uncertainty: self.uncertainty.numbered_from(first),
+        }
+    }
+
+    /// A copy of the cells inside a window, numbered from (0, 0).
     ///
     /// # Errors
     /// [`TerrainError::Grid`] if the window reaches over the edge or is empty.

@@ -1,8 +1,10 @@
 //! Terrain files: one grid in many containers, hostile bytes, and the ground of Marias Pass.
 
+use std::path::Path;
+
 use proptest::prelude::*;
-use wisdom_grid::Cell;
-use wisdom_terrain::{GridFile, TerrainError, format, slope};
+use wisdom_grid::{Cell, GridSpec};
+use wisdom_terrain::{GridFile, Projection, TerrainError, format, slope};
 
 const COLS: usize = 64;
 const ROWS: usize = 48;
@@ -12,17 +14,25 @@ fn bytes(name: &str) -> Vec<u8> {
     std::fs::read(path).expect("a file of tests/data")
 }
 
+/// A file of `tests/data`, read from disk with those beside it.
 fn fixture(name: &str) -> GridFile {
-    format::read(name, &bytes(name)).expect("a sound file")
+    let path = format!("{}/tests/data/{name}", env!("CARGO_MANIFEST_DIR"));
+    format::read_file(Path::new(&path)).expect("a sound file")
 }
 
-const EXACT: [&str; 6] = [
+const EXACT: [&str; 12] = [
     "f32_tiled_deflate_p3.tif",
     "f32_tiled_deflate_p3_nan.tif",
     "f32_tiled_deflate_p3_bigtiff.tif",
     "f32_tiled_deflate_p1_bigendian.tif",
     "f32_tiled_zstd_p3.tif",
     "f32_pixel_is_point.tif",
+    "f32_cog.tif",
+    "f32_strip_lzw_p3.tif",
+    "f64_tiled_deflate_p3.tif",
+    "pds3_hirise_style.img",
+    "pds4.xml",
+    "isis.cub",
 ];
 
 /// The text grid is read by an independent path and has six decimals: it is the reference for the rest.
@@ -57,6 +67,61 @@ fn scale_and_offset_turn_integers_into_metres() {
 }
 
 #[test]
+fn an_image_of_sixteen_bits_is_placed_and_scaled_by_its_side_file() {
+    let (image, exact) = (fixture("height16.png"), fixture("f32_tiled_deflate_p3.tif"));
+    assert_eq!(image.raster.spec(), exact.raster.spec());
+    assert_eq!(image.known, exact.known);
+    assert_eq!(image.body_radius_m(), Some(3_396_190.0));
+    // Half a level is 2.5e-5 m, a twentieth of the spacing of f32 near -4450: rounding finds the very height.
+    assert_eq!(image.raster, exact.raster);
+}
+
+#[test]
+fn a_bare_array_has_cells_of_one_metre_from_the_origin() {
+    let (array, exact) = (fixture("ref.npy"), fixture("f32_tiled_deflate_p3.tif"));
+    assert_eq!(array.raster.spec(), GridSpec::new(ROWS, COLS, 1.0).unwrap());
+    assert_eq!((array.raster.values(), &array.crs), (exact.raster.values(), &None));
+    assert_eq!(array.known.values(), exact.known.values());
+}
+
+#[test]
+fn a_file_says_how_it_is_stored() {
+    let facts = |name: &str| {
+        let about = fixture(name).about;
+        (about.format, about.storage, about.nodata.unwrap_or_default(), about.scale, about.offset)
+    };
+    let plain = |format, storage: &str, nodata: &str| {
+        (format, storage.to_owned(), nodata.to_owned(), 1.0, 0.0)
+    };
+    let float = "float32, little-endian";
+    assert_eq!(facts("pds3_hirise_style.img"), plain("PDS3 image", float, "16#FF7FFFFB#"));
+    assert_eq!(facts("pds4.xml"), plain("PDS4 array", float, "-32767"));
+    assert_eq!(facts("ref.npy"), plain("NumPy array", float, ""));
+    let cube = format!("{float}, band after band");
+    assert_eq!(facts("isis.cub"), plain("ISIS cube", &cube, "ISIS special pixels"));
+    let scaled = (4.924_984_073_152_867_5e-5, -4_458.100_146_906_091);
+    let wanted = ("PNG image", "uint16, big-endian, deflate".to_owned(), "0".to_owned());
+    assert_eq!(facts("height16.png"), (wanted.0, wanted.1, wanted.2, scaled.0, scaled.1));
+}
+
+/// All were made from one grid: equidistant cylindrical on the sphere, parallel and meridian 0.
+#[test]
+fn labels_and_projection_files_say_the_same_map() {
+    for name in ["grid.asc", "pds3_hirise_style.img", "pds4.xml", "isis.cub"] {
+        let crs = fixture(name).crs.expect(name);
+        assert_eq!(crs.radius_m, Some(3_396_190.0), "{name}");
+        assert_eq!(crs.polar_radius_m, Some(3_396_190.0), "{name}");
+        let cylinder = Projection::Equirectangular {
+            centre_lon_deg: 0.0,
+            standard_parallel_deg: 0.0,
+            false_easting_m: 0.0,
+            false_northing_m: 0.0,
+        };
+        assert_eq!(crs.projection, cylinder, "{name}");
+    }
+}
+
+#[test]
 fn the_hole_is_unknown_and_nothing_else_is() {
     for name in EXACT {
         for (cell, &known) in fixture(name).known.iter() {
@@ -71,7 +136,9 @@ fn the_hole_is_unknown_and_nothing_else_is() {
 #[test]
 fn the_sphere_of_mars_is_read_from_the_geo_keys() {
     assert_eq!(fixture("f32_tiled_deflate_p3.tif").body_radius_m(), Some(3_396_190.0));
-    assert_eq!(fixture("grid.asc").body_radius_m(), None);
+    // An ASCII grid has no word for the body; the `.prj` beside it has.
+    assert_eq!(format::read("grid.asc", &bytes("grid.asc")).unwrap().body_radius_m(), None);
+    assert_eq!(fixture("grid.asc").body_radius_m(), Some(3_396_190.0));
 }
 
 #[test]
@@ -95,8 +162,12 @@ fn a_hirise_missing_pixel_is_unknown() {
 fn what_cannot_be_read_is_named() {
     let message = |name: &str, bytes: &[u8]| format::read(name, bytes).unwrap_err().to_string();
     assert_eq!(
+        message("dem.h5", b"\x89HDF\r\n\x1a\n"),
+        "dem.h5 is an HDF5 file; GeoTIFF, PDS3, PDS4, ISIS, PNG, NumPy and ESRI ASCII grids are read"
+    );
+    assert_eq!(
         message("dem.img", b"PDS_VERSION_ID = PDS3"),
-        "dem.img is a PDS3 product; GeoTIFF and ESRI ASCII grids are read"
+        "dem.img: its label has no END in 1 lines"
     );
     assert!(message("x.asc", b"ncols 2\nnrows 2\ncellsize 1\n1 2 3 4").contains("no xllcorner"));
     let short = b"ncols 2\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 1\n1 2 3";
@@ -139,12 +210,12 @@ proptest! {
     /// No damage to a file makes its reading panic, and what still reads holds only finite values.
     #[test]
     fn damaged_files_never_panic(
-        which in 0..8_usize,
+        which in 0..11_usize,
         cut in prop::option::of(0.0..1.0_f64),
         flips in prop::collection::vec((0.0..1.0_f64, 0..8_u8), 0..6),
         in_header in any::<bool>(),
     ) {
-        let all = [&EXACT[..], &["i16_tiled_deflate_p2.tif", "grid.asc"]].concat();
+        let all = [&EXACT[..9], &["i16_tiled_deflate_p2.tif", "grid.asc"]].concat();
         let mut bytes = bytes(all[which]);
         let span = if in_header { 600.min(bytes.len()) } else { bytes.len() };
         for (place, bit) in flips {

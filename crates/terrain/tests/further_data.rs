@@ -70,22 +70,53 @@ fn tolerance(manifest: &str, name: &str) -> f64 {
     number.split([',', '\n']).next().expect("a number").trim().parse().expect("a number")
 }
 
+/// What stands beside an image: nothing in the folder says it, but the manifest has scale and offset.
+fn side_file(manifest: &str) -> String {
+    let number = |key: &str| {
+        let (_, entry) = manifest.split_once("\"height16.png\": {").expect("the image");
+        let (_, number) = entry.split_once(&format!("\"{key}\":")).expect("a number");
+        number.split([',', '\n']).next().expect("a number").trim().to_owned()
+    };
+    format!(
+        "spacing-m = 1\nwest-m = 8142616\nnorth-m = -276605\nnodata = 0\nbody-radius-m = 3396190\n\
+        scale = {}\noffset = {}\n",
+        number("scale"),
+        number("offset")
+    )
+}
+
 #[test]
-fn every_flavour_of_geotiff_and_the_ascii_grid_hold_the_same_heights_in_the_same_place() {
-    let test =
-        "every_flavour_of_geotiff_and_the_ascii_grid_hold_the_same_heights_in_the_same_place";
-    let Some(terrain) = terrain(test) else { return };
+fn every_container_holds_the_same_heights_in_the_same_place() {
+    let Some(terrain) = terrain("every_container_holds_the_same_heights_in_the_same_place") else {
+        return;
+    };
     let formats = terrain.join("formats");
     let manifest = String::from_utf8(bytes(&formats.join("manifest.json"))).expect("UTF-8");
     let heights = reference(&formats);
-    let place = GridSpec::new(48, 64, 1.0).unwrap().at(8_142_616.0, -276_605.0);
-    let tiffs = with_extension(&formats, "tif");
-    assert_eq!(tiffs.len(), 14);
-    for path in tiffs.iter().chain(&[formats.join("grid.asc")]) {
-        let (file, name) = (read(path), name(path));
+    let bare = GridSpec::new(48, 64, 1.0).unwrap();
+    let side = side_file(&manifest);
+    let mut count = 0;
+    for path in listed(&formats) {
+        let name = name(&path);
+        // The samples of `pds4.xml`, the map of `grid.asc`, and three texts about the folder.
+        if matches!(
+            name,
+            "pds4.img" | "grid.prj" | "README.md" | "make_formats.py" | "manifest.json"
+        ) {
+            continue;
+        }
+        count += 1;
+        let file = format::read_with(name, &bytes(&path), &mut |beside| match beside {
+            "height16.png.toml" => Some(side.clone().into_bytes()),
+            _ => std::fs::read(formats.join(beside)).ok(),
+        });
+        let file = file.unwrap_or_else(|error| panic!("{error}"));
+        // An array of numbers has no word for where it lies.
+        let (place, radius) = match name {
+            "ref.npy" => (bare, None),
+            _ => (bare.at(8_142_616.0, -276_605.0), Some(MARS_RADIUS_M)),
+        };
         assert_eq!(file.raster.spec(), place, "{name}");
-        // An ASCII grid has no word for the body.
-        let radius = (name != "grid.asc").then_some(MARS_RADIUS_M);
         assert_eq!(file.body_radius_m(), radius, "{name}");
         let limit = tolerance(&manifest, name);
         for ((cell, &found), &height) in file.raster.iter().zip(&heights) {
@@ -98,27 +129,19 @@ fn every_flavour_of_geotiff_and_the_ascii_grid_hold_the_same_heights_in_the_same
             }
         }
     }
+    assert_eq!(count, 20);
     assert_eq!(heights.iter().filter(|height| height.is_nan()).count(), 6 * 5);
 }
 
 #[test]
-fn a_format_that_is_not_read_is_named_beside_those_that_are() {
-    let Some(terrain) = terrain("a_format_that_is_not_read_is_named_beside_those_that_are") else {
-        return;
-    };
-    for (name, found) in [
-        ("pds3_hirise_style.img", "a PDS3 product"),
-        ("pds4.xml", "XML (a PDS4 label?)"),
-        ("pds4.img", "bytes of no format known here"),
-        ("isis.cub", "an ISIS cube"),
-        ("height16.png", "a PNG image"),
-        ("ref.npy", "a NumPy array"),
-    ] {
-        let error = refusal(&terrain.join("formats").join(name));
-        assert!(matches!(error, TerrainError::Format { .. }), "{error:?}");
-        let wanted = format!("{name} is {found}; GeoTIFF and ESRI ASCII grids are read");
-        assert_eq!(error.to_string(), wanted);
-    }
+fn the_samples_of_a_detached_label_are_of_no_known_format_by_themselves() {
+    let test = "the_samples_of_a_detached_label_are_of_no_known_format_by_themselves";
+    let Some(terrain) = terrain(test) else { return };
+    let error = refusal(&terrain.join("formats/pds4.img"));
+    assert!(matches!(error, TerrainError::Format { .. }), "{error:?}");
+    let error = refusal(&terrain.join("formats/pds4.xml"));
+    let wanted = "pds4.xml: its samples are in pds4.img, which is not there beside it";
+    assert_eq!(error.to_string(), wanted);
 }
 
 /// As a broken download leaves them. (A text grid may end inside its last number, so it is not asked to be whole.)

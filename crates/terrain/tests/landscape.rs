@@ -1,7 +1,7 @@
 //! Synthetic scenes: each feature has the form its description says, and no other.
 
 use wisdom_grid::{Cell, GridSpec, Raster};
-use wisdom_terrain::Landscape;
+use wisdom_terrain::{Landscape, SceneLayer};
 
 fn scene(text: &str) -> Landscape {
     toml::from_str(text).expect("a sound scene")
@@ -106,6 +106,56 @@ fn a_larger_map_holds_the_same_ground() {
     let large = scene(ROUGH).render(GridSpec::new(30, 40, 1.0).unwrap(), 5);
     for (cell, height) in small["elevation"].iter() {
         assert_eq!(*height, large["elevation"][cell], "{cell}");
+    }
+}
+
+const FIELD: &str = "\
+[[scatter]]
+per_1000_cells = 6.0
+radius_cells = [1.0, 5.0]
+exponent = 2.0
+height_m_per_cell = 0.5
+class = 4
+";
+
+#[test]
+fn scattered_rocks_are_as_many_and_as_large_as_asked_for() {
+    let spec = GridSpec::new(1000, 1000, 1.0).unwrap();
+    let layers = scene(FIELD).render(spec, 3);
+    let (heights, textures) = (&layers["elevation"], &layers["texture"]);
+    assert!(heights.values().iter().all(|&h| (0.0..=2.5).contains(&h)));
+    for (cell, &height) in heights.iter() {
+        assert_eq!(textures[cell] == 4.0, height > 0.0, "{cell}");
+    }
+    // Cells whose centre lies in a rock of radius r: pi r^2 of it, on average. Of a law that falls with r^-2 between 1
+    // and 5, the mean of r^2 is 2 ln 5 / (1 - 1/25) = 3.35, so that 6 rocks on a thousand cells cover 6.1 % of them,
+    // overlaps taken off.
+    let covered = heights.values().iter().filter(|&&h| h > 0.0).count() as f64 / spec.len() as f64;
+    let expected = 1.0 - (-6.0e-3 * std::f64::consts::PI * 3.353_f64).exp();
+    assert!((covered / expected - 1.0).abs() < 0.05, "{covered} against {expected}");
+    assert_ne!(layers, scene(FIELD).render(spec, 4), "another seed has other rocks");
+}
+
+#[test]
+fn a_part_of_a_scene_is_that_part_of_the_whole() {
+    let text = format!(
+        "{ROUGH}\n{FIELD}\n[[rock]]\ncentre = [20.0, 30.0]\nhalf-axes = [4.0, 3.0]\nheight_m = 5.0\nwall = \"dome\"\n\
+         wall_cells = 3.0\n[[rock]]\ncentre = [5.0, 50.0]\nhalf-axes = [2.0, 2.0]\nheight_m = -1.0\nwall = \"ramp\"\n\
+         wall_cells = 1.0\n[[hot_spot]]\ncentre = [30.0, 30.0]\nradius_cells = 9.0\nedge_cells = 4.0\npeak = 9.0\n"
+    );
+    let spec = GridSpec::new(60, 50, 2.0).unwrap();
+    let whole = scene(&text).render(spec, 8);
+    for window in [
+        wisdom_grid::Window { row: 0, col: 0, rows: 7, cols: 50 },
+        wisdom_grid::Window { row: 45, col: 3, rows: 10, cols: 5 },
+        wisdom_grid::Window { row: 25, col: 15, rows: 35, cols: 35 },
+    ] {
+        for layer in SceneLayer::ALL {
+            let part = scene(&text).render_layer(layer, spec.part(window).unwrap(), 8);
+            for (cell, value) in part.iter() {
+                assert_eq!(*value, whole[&layer.to_string()][cell], "{layer} at {cell}");
+            }
+        }
     }
 }
 

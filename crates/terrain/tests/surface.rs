@@ -3,7 +3,8 @@
 use proptest::prelude::*;
 use wisdom_grid::{Cell, GridSpec, Raster, Window};
 use wisdom_terrain::{
-    Layer, TerrainError, gradient, hillshade, normal_noise, roughness, slope, step, unit_noise,
+    Layer, TerrainError, gradient, hazards, hillshade, normal_noise, roughness, slope, step,
+    unit_noise,
 };
 
 fn spec(rows: usize, cols: usize, spacing_m: f64) -> GridSpec {
@@ -120,6 +121,31 @@ fn a_slope_facing_the_light_is_brighter_than_level_ground_and_one_turned_away_da
     assert!(shade(-1.0).abs() < 1e-6);
 }
 
+/// Horn's formula in double precision, edges repeated.
+#[test]
+fn shading_is_the_cosine_between_light_and_normal() {
+    let (azimuth_rad, altitude_rad) = (5.5_f64, 0.8_f64);
+    for (rows, cols) in [(1, 1), (1, 40), (40, 1), (2, 2), (9, 70)] {
+        let heights = Raster::from_fn(spec(rows, cols, 0.5), |c| {
+            -4500.0 + normal_noise(&[c.row as u64, c.col as u64]) as f32
+        });
+        for (cell, &bright) in hillshade(&heights, azimuth_rad, altitude_rad).iter() {
+            let z = |d_row: usize, d_col: usize| {
+                let row = (cell.row + d_row).saturating_sub(1).min(rows - 1);
+                let col = (cell.col + d_col).saturating_sub(1).min(cols - 1);
+                f64::from(heights[Cell { row, col }])
+            };
+            let east = z(0, 2) + 2.0 * z(1, 2) + z(2, 2) - z(0, 0) - 2.0 * z(1, 0) - z(2, 0);
+            let north = z(0, 0) + 2.0 * z(0, 1) + z(0, 2) - z(2, 0) - 2.0 * z(2, 1) - z(2, 2);
+            let (east, north) = (east / 4.0, north / 4.0); // eight cells of half a metre
+            let level = east * azimuth_rad.sin() + north * azimuth_rad.cos();
+            let towards = altitude_rad.sin() - level * altitude_rad.cos();
+            let expected = (towards / (1.0 + east * east + north * north).sqrt()).max(0.0);
+            assert!((f64::from(bright) - expected).abs() < 1e-6, "{bright} {expected} at {cell}");
+        }
+    }
+}
+
 #[test]
 fn one_thread_and_many_give_the_same_bits() {
     let layer =
@@ -180,4 +206,26 @@ proptest! {
             }
         }
     }
+}
+
+#[test]
+fn a_part_of_the_ground_has_the_shape_of_the_same_ground_numbered_from_nought() {
+    let spec = GridSpec::new(30, 41, 2.0).unwrap();
+    let noise = |cell: Cell| wisdom_terrain::unit_noise(&[7, cell.row as u64, cell.col as u64]);
+    let values = Raster::from_fn(spec, |cell| (noise(cell) * 3.0) as f32);
+    let u = Raster::from_fn(spec, |cell| if noise(cell) < 0.05 { 1.0 } else { 0.25 });
+    let here = Layer::new(values, u).unwrap();
+    let there = here.clone().numbered_from(Cell::new(500, 9000));
+    let (a, b) = (hazards(&here, 2), hazards(&there, 2));
+    for (near, far) in [
+        (a.gradient, b.gradient),
+        (a.slope_deg, b.slope_deg),
+        (a.step_m, b.step_m),
+        (a.roughness_m, b.roughness_m),
+    ] {
+        assert_eq!(far.spec(), there.spec());
+        assert_eq!(near, far.numbered_from(Cell::new(0, 0)));
+    }
+    let (near, far) = (hillshade(here.values(), 0.7, 0.5), hillshade(there.values(), 0.7, 0.5));
+    assert_eq!(near, far.numbered_from(Cell::new(0, 0)));
 }

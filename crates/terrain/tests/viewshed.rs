@@ -4,7 +4,9 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 
 use proptest::prelude::*;
 use wisdom_grid::{Cell, GridSpec, Raster};
-use wisdom_terrain::{FieldOfView, Layer, Observer, line_of_sight, unit_noise, viewshed};
+use wisdom_terrain::{
+    FieldOfView, Layer, Method, Observer, line_of_sight, unit_noise, viewshed, viewshed_by,
+};
 
 /// Heights as digits, `?` unknown; the camera stands on the first cell; seen `.`, hidden `#`.
 fn check(ground: &[&str], height_m: f64, expected: &[&str]) {
@@ -210,5 +212,35 @@ proptest! {
             let low = line_of_sight(&layer, from, 2.0, to, h);
             prop_assert!(!low || line_of_sight(&layer, from, 2.0, to, h + more));
         }
+    }
+}
+
+#[test]
+fn a_part_of_the_ground_is_seen_as_the_same_ground_numbered_from_nought() {
+    let noise = |cell: Cell| wisdom_terrain::unit_noise(&[3, cell.row as u64, cell.col as u64]);
+    let spec = GridSpec::new(60, 70, 2.0).unwrap();
+    let first = Cell::new(1000, 300);
+    let values = Raster::from_fn(spec, |cell| (noise(cell) * 3.0) as f32);
+    let u = Raster::from_fn(spec, |cell| if noise(cell) < 0.05 { 1.0 } else { 0.25 });
+    let here = Layer::new(values, u).unwrap();
+    let there = here.clone().numbered_from(first);
+    let at = |cell: Cell| Cell::new(cell.row + first.row, cell.col + first.col);
+    let stand = Cell::new(20, 33);
+    for method in [Method::Exact, Method::Fast] {
+        for range_m in [None, Some(25.0)] {
+            let observer = Observer { range_m, ..Observer::all_round(stand, 4.0) };
+            let moved = Observer { cell: at(stand), ..observer };
+            let near = viewshed_by(method, &here, &observer);
+            let far = viewshed_by(method, &there, &moved);
+            assert!(near.cells().map(at).eq(far.cells()), "{method}, {range_m:?}");
+            assert!(near.cells().count() > 100);
+        }
+    }
+    for cell in spec.cells() {
+        assert_eq!(
+            line_of_sight(&here, stand, 1.0, cell, 0.5),
+            line_of_sight(&there, at(stand), 1.0, at(cell), 0.5),
+            "{cell}"
+        );
     }
 }

@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 
 use wisdom_grid::GridSpec;
 
-use super::{About, GridFile, check_size, damaged, grid_file};
-use crate::TerrainError;
+use super::{About, GridFile, Siblings, check_size, damaged, file_name, grid_file, wkt};
+use crate::{Crs, TerrainError};
 
 const KEYS: [&str; 8] = [
     "ncols",
@@ -18,7 +18,11 @@ const KEYS: [&str; 8] = [
     "nodata_value",
 ];
 
-pub(super) fn read(name: &str, bytes: &[u8]) -> Result<GridFile, TerrainError> {
+pub(super) fn read(
+    name: &str,
+    bytes: &[u8],
+    siblings: &mut Siblings<'_>,
+) -> Result<GridFile, TerrainError> {
     let text = std::str::from_utf8(bytes).map_err(|e| damaged(name, e.to_string()))?;
     let mut words = text.split_ascii_whitespace().peekable();
     let mut header = BTreeMap::new();
@@ -44,7 +48,16 @@ pub(super) fn read(name: &str, bytes: &[u8]) -> Result<GridFile, TerrainError> {
         scale: 1.0,
         offset: 0.0,
     };
-    grid_file(spec, values.into_iter(), None, about)
+    grid_file(spec, values.into_iter(), crs(name, siblings)?, about)
+}
+
+/// What the `.prj` of the same stem says, if there is one.
+fn crs(name: &str, siblings: &mut Siblings<'_>) -> Result<Option<Crs>, TerrainError> {
+    let name = file_name(name);
+    let stem = name.rsplit_once('.').map_or(name, |(stem, _)| stem);
+    let files = [format!("{stem}.prj"), format!("{stem}.PRJ")];
+    let found = files.iter().find_map(|file| Some((file, siblings.find(file)?)));
+    found.map_or(Ok(None), |(file, bytes)| wkt::crs(file, &bytes))
 }
 
 /// A letter that begins a header word, not a number such as `nan` or `inf`.

@@ -1,0 +1,108 @@
+//! Terrain files as commands take them.
+
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+
+use wisdom_grid::{Cell, GridSpec, Window};
+use wisdom_terrain::format::{GridFile, GridReader, MAX_CELLS};
+
+use crate::exit::InputError;
+
+/// A terrain file, or a window of it.
+#[derive(clap::Args, Debug)]
+pub(crate) struct Input {
+    /// The elevation file, heights in metres.
+    dem: PathBuf,
+    /// Only this part of it.
+    #[arg(long, value_name = "ROW,COL,ROWS,COLS")]
+    window: Option<CellWindow>,
+}
+
+impl Input {
+    pub(super) fn open(&self) -> Result<Ground, InputError> {
+        Ground::open(&self.dem, self.window)
+    }
+}
+
+/// A window as it is typed.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct CellWindow(Window);
+
+impl FromStr for CellWindow {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let wanted = || format!("`{text}`; expected ROW,COL,ROWS,COLS, such as 0,0,512,512");
+        let numbers: Result<Vec<usize>, _> = text.split(',').map(|n| n.trim().parse()).collect();
+        match numbers.map_err(|_| wanted())?[..] {
+            [row, col, rows, cols] => Ok(Self(Window { row, col, rows, cols })),
+            _ => Err(wanted()),
+        }
+    }
+}
+
+/// A cell as it is typed, column first.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct ColRow(pub Cell);
+
+impl FromStr for ColRow {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let cell = text.split_once(',').and_then(|(col, row)| {
+            Some(Cell { row: row.trim().parse().ok()?, col: col.trim().parse().ok()? })
+        });
+        cell.map(Self).ok_or_else(|| format!("`{text}`; expected COL,ROW, such as 256,256"))
+    }
+}
+
+/// A terrain file at hand, of which a window is asked for.
+pub(super) struct Ground {
+    pub(super) reader: GridReader,
+    pub(super) window: Window,
+    name: String,
+}
+
+impl Ground {
+    pub(super) fn open(path: &Path, window: Option<CellWindow>) -> Result<Self, InputError> {
+        let reader = GridReader::open(path).map_err(|e| InputError(e.to_string()))?;
+        let whole = reader.spec().window();
+        let window = window.map_or(whole, |CellWindow(window)| window);
+        let name = path.display().to_string();
+        reader.spec().sub(window).map_err(|e| InputError(format!("{name}: --window: {e}")))?;
+        Ok(Self { reader, window, name })
+    }
+
+    /// Where the window lies.
+    pub(super) fn spec(&self) -> GridSpec {
+        self.reader
+            .spec()
+            .sub(self.window)
+            .expect("the window was checked when the file was opened")
+    }
+
+    /// A part of the file.
+    pub(super) fn read(&self, window: Window) -> Result<GridFile, InputError> {
+        self.reader.read(window).map_err(|e| InputError(e.to_string()))
+    }
+
+    /// The whole window at once, for what needs to see all of it.
+    pub(super) fn whole(&self) -> Result<GridFile, InputError> {
+        if self.spec().len() > MAX_CELLS {
+            let Window { rows, cols, .. } = self.window;
+            return Err(InputError(format!(
+                "{}: {rows} x {cols} cells; at most {MAX_CELLS} at once: choose a part with --window",
+                self.name
+            )));
+        }
+        self.read(self.window)
+    }
+
+    /// The cell of the window that a cell of the file is.
+    pub(super) fn local(&self, option: &str, cell: Cell) -> Result<Cell, InputError> {
+        if self.window.contains(cell) {
+            return Ok(Cell { row: cell.row - self.window.row, col: cell.col - self.window.col });
+        }
+        Err(InputError(format!("{option} {},{}: not in the {}", cell.col, cell.row, self.window)))
+    }
+}

@@ -1,0 +1,208 @@
+//! Results as commands give them: a GeoTIFF, written row by row, or a picture.
+
+use std::io::{IsTerminal, Read, Write};
+use std::path::{Path, PathBuf};
+
+use indicatif::{ProgressBar, ProgressStyle};
+use wisdom_grid::{GridSpec, Raster, Window};
+use wisdom_terrain::format::{GeoTiffOptions, GridFile, Sample, write_geotiff_by};
+use wisdom_terrain::{Crs, Layer, TerrainError};
+
+use super::input::Ground;
+use super::layers::with_u;
+use crate::exit::InputError;
+
+/// Cells worked on at once: a band of whole rows.
+const BAND_CELLS: usize = 1 << 22;
+
+/// Where a result goes.
+#[derive(clap::Args, Debug)]
+pub(crate) struct Output {
+    /// Where the result goes: a GeoTIFF (.tif, .tiff) or a picture (.png).
+    #[arg(short, long = "output", value_name = "FILE")]
+    output: PathBuf,
+}
+
+/// What the name of the result asks for.
+pub(super) enum Target<'a> {
+    Tiff(&'a Path),
+    Picture(&'a Path),
+}
+
+impl Output {
+    /// What the result is to be. Nothing but an older result is written over.
+    pub(super) fn target(&self) -> Result<Target<'_>, InputError> {
+        let path = self.output.as_path();
+        let extension = path.extension().map(std::ffi::OsStr::to_ascii_lowercase);
+        match extension.as_ref().and_then(|e| e.to_str()) {
+            Some("tif" | "tiff") => {
+                spare(path, &[b"II", b"MM"], "GeoTIFF")?;
+                Ok(Target::Tiff(path))
+            }
+            Some("png") => {
+                spare(path, &[b"\x89PNG"], "picture")?;
+                Ok(Target::Picture(path))
+            }
+            _ => Err(InputError(format!(
+                "-o {}: expected a name that ends in .tif (a GeoTIFF) or .png (a picture)",
+                path.display()
+            ))),
+        }
+    }
+}
+
+/// Refuses to write over what is no older result.
+pub(super) fn spare(path: &Path, magics: &[&[u8]], what: &str) -> Result<(), InputError> {
+    let mut begin = Vec::new();
+    let Ok(file) = std::fs::File::open(path) else { return Ok(()) };
+    let read = file.take(8).read_to_end(&mut begin);
+    let older = magics.iter().any(|magic| begin.starts_with(magic));
+    if read.is_ok() && (older || begin.is_empty()) {
+        return Ok(());
+    }
+    Err(InputError(format!("-o {}: is there already, and is no {what}", path.display())))
+}
+
+/// What a GeoTIFF of a result says of itself.
+#[derive(Clone, Copy)]
+pub(super) struct Kind {
+    pub(super) description: &'static str,
+    pub(super) unit: &'static str,
+    pub(super) sample: Sample,
+}
+
+impl Kind {
+    pub(super) fn floats(description: &'static str, unit: &'static str) -> Self {
+        Self { description, unit, sample: Sample::F32 }
+    }
+
+    pub(super) fn bytes(description: &'static str) -> Self {
+        Self { description, unit: "", sample: Sample::U8 }
+    }
+
+    pub(super) fn options(self) -> GeoTiffOptions {
+        let mut options = GeoTiffOptions::new(self.sample);
+        self.description.clone_into(&mut options.description);
+        self.unit.clone_into(&mut options.unit);
+        options
+    }
+}
+
+/// Values and whether they are known, row by row.
+pub(super) type Band = (Vec<f32>, Vec<bool>);
+
+/// Writes a GeoTIFF band by band, each a number of whole rows that `make` gives, and tells how far it is.
+pub(super) fn write(
+    path: &Path,
+    spec: GridSpec,
+    crs: Option<&Crs>,
+    options: &GeoTiffOptions,
+    mut make: impl FnMut(std::ops::Range<usize>) -> Result<Band, InputError>,
+) -> anyhow::Result<()> {
+    let bar = bar(&path.display().to_string(), spec.rows())?;
+    let step = (BAND_CELLS / spec.cols()).max(1);
+    let written = write_geotiff_by(path, spec, crs, options, |writer| {
+        for from in (0..spec.rows()).step_by(step) {
+            let rows = from..(from + step).min(spec.rows());
+            bar.set_position(rows.start as u64);
+            let (values, known) = make(rows).map_err(Stop::Input)?;
+            writer.write_rows(&values, &known)?;
+        }
+        Ok(())
+    });
+    bar.finish_and_clear();
+    match written {
+        Ok(()) => told(path),
+        Err(Stop::Input(error)) => Err(error.into()),
+        Err(Stop::Terrain(error)) => Err(error.into()),
+    }
+}
+
+/// Why writing stopped.
+enum Stop {
+    Input(InputError),
+    Terrain(TerrainError),
+}
+
+impl From<TerrainError> for Stop {
+    fn from(error: TerrainError) -> Self {
+        Self::Terrain(error)
+    }
+}
+
+/// Derives a layer whose cells depend on those within `reach` of them, band by band.
+pub(super) fn derive(
+    ground: &Ground,
+    path: &Path,
+    kind: Kind,
+    reach: usize,
+    make: impl Fn(&Layer) -> anyhow::Result<Layer>,
+) -> anyhow::Result<()> {
+    derive_with(ground, None, path, kind, reach, make)
+}
+
+/// As [`derive`], with the uncertainty of the heights from another file on the same grid.
+pub(super) fn derive_with(
+    ground: &Ground,
+    uncertainty: Option<&Ground>,
+    path: &Path,
+    kind: Kind,
+    reach: usize,
+    make: impl Fn(&Layer) -> anyhow::Result<Layer>,
+) -> anyhow::Result<()> {
+    let window = ground.window;
+    let mut failed = None;
+    let written = write(path, ground.spec(), ground.reader.crs(), &kind.options(), |rows| {
+        let north = rows.start.saturating_sub(reach);
+        let south = (rows.end + reach).min(window.rows);
+        let near = Window { row: window.row + north, rows: south - north, ..window };
+        let read = ground.read(near)?;
+        let u = uncertainty.map(|file| file.read(near)).transpose()?.map(|file| file.raster);
+        let layer = read.into_layer().map_err(|e| InputError(e.to_string()))?;
+        let derived = with_u(layer, u).and_then(|layer| make(&layer)).map_err(|error| {
+            let message = InputError(error.to_string());
+            failed = Some(error);
+            message
+        })?;
+        Ok(rows_of(&derived, rows.start - north, rows.len()))
+    });
+    match (written, failed) {
+        (Err(_), Some(error)) => Err(error),
+        (written, _) => written,
+    }
+}
+
+/// Some rows of a layer.
+fn rows_of(layer: &Layer, first: usize, rows: usize) -> Band {
+    let cols = layer.spec().cols();
+    let cells = first * cols..(first + rows) * cols;
+    let known = layer.uncertainty().values()[cells.clone()].iter().map(|&u| u < 1.0).collect();
+    (layer.values().values()[cells].to_vec(), known)
+}
+
+/// Where a layer has a value.
+pub(super) fn known(layer: &Layer) -> Raster<bool> {
+    layer.uncertainty().map(|&u| u < 1.0)
+}
+
+/// Where a file has a value, beside its values.
+pub(super) fn band_of(file: GridFile) -> Band {
+    (file.raster.into_values(), file.known.into_values())
+}
+
+/// A bar for work on so many rows, if somebody watches.
+pub(super) fn bar(name: &str, rows: usize) -> anyhow::Result<ProgressBar> {
+    let shown = std::io::stderr().is_terminal();
+    let bar = if shown { ProgressBar::new(rows as u64) } else { ProgressBar::hidden() };
+    bar.set_style(ProgressStyle::with_template(
+        "{prefix} {bar:30} {percent:>3} %  {elapsed}, {eta} to go",
+    )?);
+    bar.set_prefix(name.to_owned());
+    Ok(bar)
+}
+
+/// Says what was written.
+pub(super) fn told(path: &Path) -> anyhow::Result<()> {
+    writeln!(std::io::stdout().lock(), "{}", path.display())?;
+    Ok(())
+}
