@@ -1,30 +1,38 @@
-//! Later versions must still read the committed sample log; those whose decisions mean the same decide it again.
+//! Later versions must still read the committed sample logs; those whose decisions mean the same decide them again.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use wisdom_logbook::{LogReader, Status, record};
 
-#[test]
-fn the_sample_log_reads_back_whole() {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("logs/sample/paper-0.1.0.mcap");
-    let log = LogReader::open(&path).expect("the sample is a log");
-    assert_eq!(log.status, Status::Complete);
-    assert_eq!(log.metadata["mission"], "paper");
-    let end = log.end.as_ref().expect("the run ended");
-    assert_eq!(end.decisions as usize, log.decisions().count());
-    assert!(log.decisions().count() >= 3);
-    let unknown: Vec<_> = log.unknown_topics().collect();
-    assert!(unknown.is_empty(), "{unknown:?}");
-    let interest = log.map("/map/interest", 0).expect("a map");
-    assert_eq!((interest.spec().rows(), interest.spec().cols()), (101, 101));
+fn sample(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("logs/sample").join(name)
+}
 
-    let versions: Vec<u32> = log.decisions().map(|d| d.decision_version).collect();
-    if versions.iter().all(|v| *v == record::DECISION_VERSION) {
-        let verified =
-            wisdom_logbook::verify(&path, &mut |_| {}).expect("the mission inside loads");
-        assert_eq!(
-            verified.difference, None,
-            "decisions changed: raise DECISION_VERSION and say why"
-        );
+#[test]
+fn sample_logs_of_every_version_read_back_whole() {
+    for name in ["paper-0.1.0.mcap", "paper-decisions-2.mcap"] {
+        let log = LogReader::open(&sample(name)).expect("the sample is a log");
+        assert_eq!(log.status, Status::Complete, "{name}");
+        assert_eq!(log.metadata["mission"], "paper");
+        let end = log.end.as_ref().expect("the run ended");
+        assert_eq!(end.decisions as usize, log.decisions().count());
+        assert!(log.decisions().count() >= 3);
+        let unknown: Vec<_> = log.unknown_topics().collect();
+        assert!(unknown.is_empty(), "{name}: {unknown:?}");
+        let interest = log.map("/map/interest", 0).expect("a map");
+        assert_eq!((interest.spec().rows(), interest.spec().cols()), (101, 101));
     }
+}
+
+#[test]
+fn the_newest_sample_is_decided_again() {
+    let path = sample("paper-decisions-2.mcap");
+    let log = LogReader::open(&path).expect("the sample is a log");
+    let versions: Vec<u32> = log.decisions().map(|d| d.decision_version).collect();
+    assert!(
+        versions.iter().all(|v| *v == record::DECISION_VERSION),
+        "DECISION_VERSION was raised: add a sample made with it"
+    );
+    let verified = wisdom_logbook::verify(&path, &mut |_| {}).expect("the mission inside loads");
+    assert_eq!(verified.difference, None, "decisions changed: raise DECISION_VERSION and say why");
 }

@@ -89,7 +89,8 @@ pub(crate) fn run(args: &ShowArgs) -> anyhow::Result<ExitCode> {
         figure = figure.known(known);
     }
     let driven = driven(&log, number, past.decision.state.pose.cell);
-    figure = overlays(figure, &past.decision, &past.achieved, driven);
+    let on_map = |cell: Cell| plane.raster.spec().contains(cell);
+    figure = overlays(figure, &past.decision, &past.achieved, driven, &on_map);
     figure.save(&args.output)?;
     let mut out = std::io::stdout().lock();
     writeln!(out, "{}", args.output.display())?;
@@ -175,8 +176,11 @@ fn overlays<'a>(
     figure: Figure<'a>,
     decision: &Decision,
     achieved: &[(Cell, String)],
-    driven: Vec<Cell>,
+    mut driven: Vec<Cell>,
+    on_map: &dyn Fn(Cell) -> bool,
 ) -> Figure<'a> {
+    // A map that moved on with the rover shows what lies on it.
+    driven.retain(|cell| on_map(*cell));
     let mut planned: Vec<Cell> = Vec::new();
     for leg in &decision.plan().plan.legs {
         planned.extend(&leg.route.cells);
@@ -184,6 +188,7 @@ fn overlays<'a>(
     if let Act::Look { route, .. } | Act::Home { route } = &decision.act {
         planned.extend(&route.cells);
     }
+    planned.retain(|cell| on_map(*cell));
     planned.dedup();
     let mut chosen = Vec::new();
     let mut known = Vec::new();
@@ -197,7 +202,10 @@ fn overlays<'a>(
             _ => known.push((at.0, String::new())),
         }
     }
-    let markers = |name: &str, shape, ink, at| Markers { name: name.into(), shape, ink, at };
+    let markers = |name: &str, shape, ink, mut at: Vec<(Cell, String)>| {
+        at.retain(|(cell, _)| on_map(*cell));
+        Markers { name: name.into(), shape, ink, at }
+    };
     let mut figure = figure;
     if driven.len() > 1 {
         let (name, stroke, ink) = ("driven".to_owned(), Stroke::Solid, Ink::White);

@@ -333,6 +333,7 @@ impl<'a> Figure<'a> {
             x_ticks,
             y_ticks,
             legend,
+            first: spec.first(),
         }
     }
 }
@@ -344,6 +345,8 @@ struct Layout {
     height: i32,
     title: Vec<String>,
     scale: Scale,
+    /// The map's north-west cell.
+    first: Cell,
     body_top: i32,
     map: Area,
     label_room: Area,
@@ -357,8 +360,11 @@ struct Layout {
 impl Layout {
     /// The middle of a cell in the picture.
     fn centre(&self, cell: Cell) -> (f32, f32) {
-        let middle = |index: usize| ((index as f64 + 0.5) * self.scale.pixels()) as f32;
-        (self.map.left as f32 + middle(cell.col), self.map.top as f32 + middle(cell.row))
+        let middle = |at: usize, first: usize| {
+            ((at as f64 - first as f64 + 0.5) * self.scale.pixels()) as f32
+        };
+        let across = middle(cell.col, self.first.col);
+        (self.map.left as f32 + across, self.map.top as f32 + middle(cell.row, self.first.row))
     }
 }
 
@@ -393,7 +399,8 @@ impl Scale {
         let index = |at: i32, cells: usize| {
             (at as usize * self.shrink / self.zoom + self.shrink / 2).min(cells - 1)
         };
-        Cell::new(index(y, raster.spec().rows()), index(x, raster.spec().cols()))
+        let (spec, first) = (raster.spec(), raster.spec().first());
+        Cell::new(first.row + index(y, spec.rows()), first.col + index(x, spec.cols()))
     }
 }
 

@@ -300,7 +300,11 @@ impl<'a> Surface<'a> {
         let cells = || {
             (0..rows).flat_map(move |row| {
                 (0..cols).map(move |col| {
-                    Cell::new(sampled.index(row, spec.rows()), sampled.index(col, spec.cols()))
+                    let first = spec.first();
+                    Cell::new(
+                        first.row + sampled.index(row, spec.rows()),
+                        first.col + sampled.index(col, spec.cols()),
+                    )
                 })
             })
         };
@@ -340,10 +344,10 @@ impl<'a> Surface<'a> {
 
     /// The foot and the head of a mast on a cell; where the ground is not known, it stands on the floor.
     fn stand(&self, frame: &Frame, cell: Cell, mast: Mast) -> [Point3; 2] {
-        let rows = self.heights.spec().rows();
+        let (rows, first) = (self.heights.spec().rows(), self.heights.spec().first());
+        let (row, col) = (cell.row - first.row, cell.col - first.col);
         let ground = self.height(cell).unwrap_or(frame.low);
-        let (east, north) =
-            (frame.east(cell.col as f64 + 0.5), frame.north((rows - cell.row) as f64 - 0.5));
+        let (east, north) = (frame.east(col as f64 + 0.5), frame.north((rows - row) as f64 - 0.5));
         [ground, mast.head(ground)].map(|height| [east, north, frame.level(height)])
     }
 

@@ -103,7 +103,7 @@ pub const MAX_FILE_BYTES: u64 = 1 << 31;
 ///
 /// | format | what is read |
 /// | --- | --- |
-/// | GeoTIFF | classic or big, either byte order, strips or tiles, integers or floats, any compression and predictor of the `tiff` crate; placed by pixel scale and tie point, or by an affine matrix without rotation, with the half-pixel shift of `PixelIsPoint`; GDAL's nodata, scale and offset |
+/// | GeoTIFF | classic or big, either byte order, strips or tiles, integers or floats, every compression and predictor of the `tiff` crate but fax and WebP; placed by pixel scale and tie point, or by an affine matrix without rotation, with the half-pixel shift of `PixelIsPoint`; GDAL's nodata, scale and offset |
 /// | PDS3 image | attached or detached label; reals of 32 and 64 bits, integers of 8 to 32, either byte order; `SCALING_FACTOR`, `OFFSET`, missing values as numbers or bits; `IMAGE_MAP_PROJECTION` |
 /// | PDS4 array | the `.xml` label, with its raw file beside it; `Array_2D` and `Array_3D` with their images and maps; any integer or IEEE 754 type; scaling, special constants, display direction, cartography |
 /// | ISIS cube | band-sequential or tiled, attached or detached; base, multiplier and special pixels; the `Mapping` group |
