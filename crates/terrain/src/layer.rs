@@ -8,10 +8,19 @@ use crate::TerrainError;
 /// uncertainty u of each in [0, 1]: how much of what an expert says of it is lost (paper section III, Eq. 4).
 ///
 /// Where nothing is known the reading is 0 and u is 1. No reading and no u is ever NaN or infinite.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct Layer {
     values: Raster<f32>,
     uncertainty: Raster<f32>,
+    /// The u that all cells share, if that is known: then no one needs to read the plane.
+    alike: Option<f32>,
+}
+
+/// Layers are equal if their readings and their uncertainties are.
+impl PartialEq for Layer {
+    fn eq(&self, other: &Self) -> bool {
+        self.values == other.values && self.uncertainty == other.uncertainty
+    }
 }
 
 impl Layer {
@@ -26,6 +35,8 @@ impl Layer {
         if spec != uncertainty.spec() {
             return Err(TerrainError::GridMismatch { first: spec, second: uncertainty.spec() });
         }
+        let first = uncertainty.values()[0];
+        let mut differ = false;
         for (index, (value, &u)) in
             values.values_mut().iter_mut().zip(uncertainty.values()).enumerate()
         {
@@ -38,14 +49,16 @@ impl Layer {
             if u == 1.0 {
                 *value = 0.0;
             }
+            differ |= u.to_bits() != first.to_bits();
         }
-        Ok(Self { values, uncertainty })
+        Ok(Self { values, uncertainty, alike: (!differ).then_some(first) })
     }
 
     /// A layer of which nothing is known.
     #[must_use]
     pub fn unknown(spec: GridSpec) -> Self {
-        Self { values: Raster::filled(spec, 0.0), uncertainty: Raster::filled(spec, 1.0) }
+        let (values, uncertainty) = (Raster::filled(spec, 0.0), Raster::filled(spec, 1.0));
+        Self { values, uncertainty, alike: Some(1.0) }
     }
 
     /// A layer of which everything is certain (u = 0): the simulated world's truth.
@@ -60,12 +73,23 @@ impl Layer {
     /// A layer certain to be 0 everywhere, to be written over. Its planes come zeroed from the allocator, so that
     /// pages nobody writes are never touched.
     pub(crate) fn zero(spec: GridSpec) -> Self {
-        Self { values: Raster::filled(spec, 0.0), uncertainty: Raster::filled(spec, 0.0) }
+        let (values, uncertainty) = (Raster::filled(spec, 0.0), Raster::filled(spec, 0.0));
+        Self { values, uncertainty, alike: Some(0.0) }
     }
 
     /// The readings and their uncertainty, to be written over with what [`Layer::new`] would accept.
     pub(crate) fn planes_mut(&mut self) -> (&mut [f32], &mut [f32]) {
         (self.values.values_mut(), self.uncertainty.values_mut())
+    }
+
+    /// The u that all cells share, if that is known.
+    pub(crate) fn alike(&self) -> Option<f32> {
+        self.alike
+    }
+
+    /// Says what was written over the planes: the u that all cells share, or that they may differ.
+    pub(crate) fn set_alike(&mut self, alike: Option<f32>) {
+        self.alike = alike;
     }
 
     /// Where the layer lies.
@@ -122,6 +146,7 @@ impl Layer {
         debug_assert!((0.0..=1.0).contains(&u), "an uncertainty of {u} at {cell}");
         self.values[cell] = if u < 1.0 { value } else { 0.0 };
         self.uncertainty[cell] = u;
+        self.alike = self.alike.filter(|alike| alike.to_bits() == u.to_bits());
     }
 
     /// The same layer in the same place, its cells numbered from `first` on.
@@ -130,6 +155,7 @@ impl Layer {
         Self {
             values: self.values.numbered_from(first),
             uncertainty: self.uncertainty.numbered_from(first),
+            alike: self.alike,
         }
     }
 
@@ -138,6 +164,7 @@ impl Layer {
     /// # Errors
     /// [`TerrainError::Grid`] if the window reaches over the edge or is empty.
     pub fn crop(&self, window: Window) -> Result<Self, TerrainError> {
-        Ok(Self { values: self.values.crop(window)?, uncertainty: self.uncertainty.crop(window)? })
+        let (values, uncertainty) = (self.values.crop(window)?, self.uncertainty.crop(window)?);
+        Ok(Self { values, uncertainty, alike: self.alike })
     }
 }

@@ -3,8 +3,8 @@
 use proptest::prelude::*;
 use wisdom_grid::{Cell, GridSpec, Raster, Window};
 use wisdom_terrain::{
-    Layer, TerrainError, gradient, hazards, hillshade, normal_noise, roughness, slope, step,
-    unit_noise,
+    Hazards, Kernel, Layer, Measure, TerrainError, gradient, hazards, hillshade, measure,
+    measure_into, normal_noise, roughness, slope, step, unit_noise,
 };
 
 fn spec(rows: usize, cols: usize, spacing_m: f64) -> GridSpec {
@@ -228,4 +228,32 @@ fn a_part_of_the_ground_has_the_shape_of_the_same_ground_numbered_from_nought() 
     }
     let (near, far) = (hillshade(here.values(), 0.7, 0.5), hillshade(there.values(), 0.7, 0.5));
     assert_eq!(near, far.numbered_from(Cell::new(0, 0)));
+}
+
+#[test]
+fn nothing_depends_on_whether_a_layer_knows_that_its_u_is_alike() {
+    for u in [0.0, 0.4, 1.0] {
+        let spec = GridSpec::new(40, 55, 1.0).unwrap();
+        let heights = Raster::from_fn(spec, |c| (c.row * 7 % 11 + c.col * 5 % 13) as f32);
+        let known = Layer::new(heights, Raster::filled(spec, u)).unwrap();
+        let mut touched = known.clone();
+        let corner = Cell::new(0, 0);
+        touched.set(corner, 3.0, 0.7);
+        touched.set(corner, known.value(corner), u);
+        assert_eq!(known, touched);
+        let all = |layer: &Layer| {
+            let Hazards { gradient, slope_deg, step_m, roughness_m } = hazards(layer, 1);
+            [gradient, slope_deg, step_m, roughness_m]
+        };
+        assert_eq!(all(&known), all(&touched));
+        // Written over what held another u, and over what holds the same.
+        let mut reused = [Layer::unknown(spec), known.clone()];
+        let [first, second] = &mut reused;
+        let measures = [Measure::Step, Measure::Gradient(Kernel::Horn)];
+        measure_into(&known, measures, [first, second]);
+        assert_eq!(reused, measure(&touched, measures));
+        let [first, second] = &mut reused;
+        measure_into(&touched, measures, [first, second]);
+        assert_eq!(reused, measure(&known, measures));
+    }
 }

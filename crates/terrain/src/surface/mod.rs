@@ -104,8 +104,7 @@ pub struct Hazards {
 #[must_use]
 pub fn measure<const N: usize>(elevation: &Layer, measures: [Measure; N]) -> [Layer; N] {
     let mut layers = measures.map(|_| Layer::zero(elevation.spec()));
-    let sheets = sheets(layers.each_mut(), true);
-    derive(Instructions::widest(), BLOCK_CELLS, elevation, &measures, sheets);
+    derive(Instructions::widest(), BLOCK_CELLS, elevation, &measures, layers.each_mut());
     layers
 }
 
@@ -123,8 +122,7 @@ pub fn measure_into<const N: usize>(
         }
         layer
     });
-    let sheets = sheets(layers, false);
-    derive(Instructions::widest(), BLOCK_CELLS, elevation, &measures, sheets);
+    derive(Instructions::widest(), BLOCK_CELLS, elevation, &measures, layers);
 }
 
 /// Gradient magnitude |∇z| of an elevation layer in metres: rise over run, dimensionless (the paper's
@@ -229,32 +227,21 @@ impl Task {
 struct Sheet<'a> {
     values: &'a mut [f32],
     u: &'a mut [f32],
-    /// Whether u is 0 already.
-    u_is_zero: bool,
-}
-
-fn sheets<const N: usize>(layers: [&mut Layer; N], u_is_zero: bool) -> [Sheet<'_>; N] {
-    layers.map(|layer| {
-        let (values, u) = layer.planes_mut();
-        Sheet { values, u, u_is_zero }
-    })
+    /// The u that all cells hold already, if that is known.
+    alike: Option<f32>,
 }
 
 impl<'a> Sheet<'a> {
     /// Some cells at a time.
     fn chunks(self, cells: usize) -> impl Iterator<Item = Sheet<'a>> {
-        let Self { values, u, u_is_zero } = self;
+        let Self { values, u, alike } = self;
         let both = values.chunks_mut(cells).zip(u.chunks_mut(cells));
-        both.map(move |(values, u)| Sheet { values, u, u_is_zero })
+        both.map(move |(values, u)| Sheet { values, u, alike })
     }
 
     fn row(&mut self, row: usize, cols: usize) -> Row<'_> {
         let cells = row * cols..(row + 1) * cols;
-        Row {
-            values: &mut self.values[cells.clone()],
-            u: &mut self.u[cells],
-            u_is_zero: self.u_is_zero,
-        }
+        Row { values: &mut self.values[cells.clone()], u: &mut self.u[cells], alike: self.alike }
     }
 }
 
@@ -264,7 +251,7 @@ fn derive<const N: usize>(
     block_cells: usize,
     elevation: &Layer,
     measures: &[Measure; N],
-    sheets: [Sheet<'_>; N],
+    mut layers: [&mut Layer; N],
 ) {
     let ground = Ground::of(elevation);
     let tasks = Task::all(measures, ground.spec);
@@ -280,18 +267,28 @@ fn derive<const N: usize>(
             sheets: Vec::with_capacity(N),
         })
         .collect();
-    for sheet in sheets {
+    for layer in &mut layers {
+        let alike = layer.alike();
+        let (values, u) = layer.planes_mut();
+        let sheet = Sheet { values, u, alike };
         for (block, sheet) in blocks.iter_mut().zip(sheet.chunks(block_rows * cols)) {
             block.sheets.push(sheet);
         }
     }
-    if blocks.len() == 1 {
-        for block in blocks {
-            block.derive(instructions);
-        }
+    let alike: Vec<[Option<f32>; N]> = if blocks.len() == 1 {
+        blocks.into_iter().map(|block| block.derive(instructions)).collect()
     } else {
-        blocks.into_par_iter().for_each(|block| block.derive(instructions));
+        blocks.into_par_iter().map(|block| block.derive(instructions)).collect()
+    };
+    for (task, layer) in layers.into_iter().enumerate() {
+        let same = alike.iter().map(|block| block[task]).reduce(both).flatten();
+        layer.set_alike(same);
     }
+}
+
+/// The u that two parts of a layer share, if they do.
+fn both(a: Option<f32>, b: Option<f32>) -> Option<f32> {
+    a.filter(|a| b.is_some_and(|b| a.to_bits() == b.to_bits()))
 }
 
 /// Some rows of the layers to be made.
@@ -307,19 +304,24 @@ struct Block<'a> {
 }
 
 impl Block<'_> {
-    fn derive(mut self, instructions: Instructions) {
+    /// Makes the rows, and says for each task which u all cells share, if they do.
+    fn derive<const N: usize>(mut self, instructions: Instructions) -> [Option<f32>; N] {
         let reach = self.tasks.iter().map(Task::reach).max().unwrap_or(0);
         let around = self.first.saturating_sub(reach)
             ..(self.first + self.rows + reach).min(self.ground.spec.rows());
         let north = around.start;
-        let see = |row| Seen::of(instructions, self.ground.u_of_row(row));
+        let see = |row| match self.ground.alike {
+            Some(u) if u < 1.0 => Seen::Alike(u + 0.0),
+            _ => Seen::of(instructions, self.ground.u_of_row(row)),
+        };
         let seen: Vec<Seen> = around.map(see).collect();
+        let mut alike = [None; N];
         for row in self.first..self.first + self.rows {
             for (index, task) in self.tasks.iter().enumerate() {
                 let reach = task.reach();
                 let near = row.saturating_sub(reach).max(north) - north
                     ..(row - north + reach + 1).min(seen.len());
-                derive_row(
+                let of_row = derive_row(
                     instructions,
                     &self.ground,
                     task,
@@ -327,12 +329,15 @@ impl Block<'_> {
                     Seen::together(&seen[near]),
                     self.sheets.split_at_mut(index),
                 );
+                let so_far = if row == self.first { of_row } else { alike[index] };
+                alike[index] = both(so_far, of_row);
             }
         }
+        alike
     }
 }
 
-/// Makes one row of one layer; the sheets before the layer's own are made.
+/// Makes one row of one layer, and says which u all its cells share, if they do; the sheets before the layer's own are made.
 fn derive_row(
     instructions: Instructions,
     ground: &Ground<'_>,
@@ -340,30 +345,31 @@ fn derive_row(
     (row, row_of_sheet): (usize, usize),
     seen: Seen,
     (made, rest): (&mut [Sheet<'_>], &mut [Sheet<'_>]),
-) {
+) -> Option<f32> {
     let cols = ground.spec.cols();
     let mut out = rest[0].row(row_of_sheet, cols);
-    match task {
+    let alike = match task {
         Task::Gradient(Kernel::Central) | Task::Slope(Kernel::Central, None) => {
-            out.derive(instructions, &Central, ground, row, seen);
+            out.derive(instructions, &Central, ground, row, seen)
         }
         Task::Gradient(Kernel::Horn) | Task::Slope(Kernel::Horn, None) => {
-            out.derive(instructions, &Horn, ground, row, seen);
+            out.derive(instructions, &Horn, ground, row, seen)
         }
         Task::Slope(_, Some(gradient)) => {
             let gradient = made[*gradient].row(row_of_sheet, cols);
             out.values.copy_from_slice(gradient.values);
-            out.copy_u(gradient.u, seen);
+            out.copy_u(gradient.u, seen)
         }
         Task::Step => out.derive(instructions, &Step, ground, row, seen),
         Task::Roughness(fit) => {
             let seen = if fit.is_possible() { seen } else { Seen::Nothing };
-            out.derive(instructions, fit, ground, row, seen);
+            out.derive(instructions, fit, ground, row, seen)
         }
-    }
+    };
     if let Task::Slope(..) = task {
         instructions.run(Degrees(out.values));
     }
+    alike
 }
 
 #[cfg(test)]

@@ -18,6 +18,8 @@ pub(super) struct Ground<'a> {
     /// Heights, metres.
     pub(super) z: &'a [f32],
     pub(super) u: &'a [f32],
+    /// The u that all cells share, if that is known.
+    pub(super) alike: Option<f32>,
     /// One over twice the cell spacing, per metre.
     pub(super) per_two_cells: f32,
 }
@@ -30,6 +32,7 @@ impl<'a> Ground<'a> {
             spec,
             z: elevation.values().values(),
             u: elevation.uncertainty().values(),
+            alike: elevation.alike(),
             per_two_cells: per_two_cells(spec),
         }
     }
@@ -189,8 +192,8 @@ fn next<W: Width>(at: &mut usize, end: usize) -> Option<usize> {
 pub(super) struct Row<'a> {
     pub(super) values: &'a mut [f32],
     pub(super) u: &'a mut [f32],
-    /// Whether u is 0 already, as in a plane just allocated.
-    pub(super) u_is_zero: bool,
+    /// The u that all cells hold already, if that is known.
+    pub(super) alike: Option<f32>,
 }
 
 impl Row<'_> {
@@ -198,22 +201,28 @@ impl Row<'_> {
     pub(super) fn fill_u(&mut self, u: f32) {
         // Pages of fresh zeros are best left alone: the first access to a page costs more than the arithmetic. And to
         // see that a row is right already takes half the memory traffic of writing it.
-        let fresh = self.u_is_zero && u == 0.0;
-        if !fresh && !is_all(self.u, u) {
+        if self.alike != Some(u) && !is_all(self.u, u) {
             self.u.fill(u);
         }
     }
 
     /// The u of a row already made from the same cells, of which so much is known.
-    pub(super) fn copy_u(&mut self, from: &[f32], seen: Seen) {
+    pub(super) fn copy_u(&mut self, from: &[f32], seen: Seen) -> Option<f32> {
         match seen {
             // Either all of such a row can be derived or, on a map of one row or column, none of it.
-            Seen::Alike(u) if from[0] == u => self.fill_u(u),
-            _ => self.u.copy_from_slice(from),
+            Seen::Alike(u) if from[0] == u => {
+                self.fill_u(u);
+                Some(u)
+            }
+            _ => {
+                self.u.copy_from_slice(from);
+                None
+            }
         }
     }
 
-    /// Derives a row, given what is known of the rows within reach.
+    /// Derives a row, given what is known of the rows within reach, and says which u all its cells share, if that is
+    /// known.
     pub(super) fn derive<T: Stencil>(
         &mut self,
         instructions: Instructions,
@@ -221,12 +230,12 @@ impl Row<'_> {
         ground: &Ground<'_>,
         row: usize,
         seen: Seen,
-    ) {
+    ) -> Option<f32> {
         let (rows, cols, reach) = (ground.spec.rows(), ground.spec.cols(), stencil.reach());
         if seen == Seen::Nothing {
             self.values.fill(UNKNOWN.0);
             self.u.fill(UNKNOWN.1);
-            return;
+            return Some(UNKNOWN.1);
         }
         let filled = match seen {
             Seen::Alike(u) => Some(u),
@@ -236,8 +245,7 @@ impl Row<'_> {
             self.fill_u(u);
         }
         if row < reach || row + reach >= rows || cols <= 2 * reach {
-            self.one_by_one(stencil, ground, row, 0..cols, filled);
-            return;
+            return self.one_by_one(stencil, ground, row, 0..cols, filled);
         }
         let inner = reach..cols - reach;
         instructions.run(AtOnce {
@@ -255,11 +263,13 @@ impl Row<'_> {
                 }
             }
         }
-        self.one_by_one(stencil, ground, row, 0..inner.start, filled);
-        self.one_by_one(stencil, ground, row, inner.end..cols, filled);
+        let west = self.one_by_one(stencil, ground, row, 0..inner.start, filled);
+        let east = self.one_by_one(stencil, ground, row, inner.end..cols, filled);
+        west.and(east)
     }
 
-    /// Cells one after the other, whatever is known around them; `filled` is the u that they hold already.
+    /// Cells one after the other, whatever is known around them; `filled` is the u that they hold already, and what is
+    /// returned if they keep it.
     #[inline(never)]
     fn one_by_one<T: Stencil>(
         &mut self,
@@ -268,14 +278,17 @@ impl Row<'_> {
         row: usize,
         cols: std::ops::Range<usize>,
         filled: Option<f32>,
-    ) {
+    ) -> Option<f32> {
+        let mut kept = filled;
         for col in cols {
             let (value, u) = stencil.reading(ground, Cell { row, col });
             self.values[col] = value;
             if filled != Some(u) {
                 self.u[col] = u + 0.0;
+                kept = None;
             }
         }
+        kept
     }
 }
 

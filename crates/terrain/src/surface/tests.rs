@@ -46,8 +46,7 @@ fn rough_ground(rows: usize, cols: usize, holes: f64, u: impl Fn(Cell) -> f32) -
 
 fn made_by(instructions: Instructions, block_cells: usize, ground: &Layer) -> [Layer; 8] {
     let mut layers = MEASURES.map(|_| Layer::zero(ground.spec()));
-    let all = sheets(layers.each_mut(), true);
-    derive(instructions, block_cells, ground, &MEASURES, all);
+    derive(instructions, block_cells, ground, &MEASURES, layers.each_mut());
     layers
 }
 
