@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use wisdom_grid::Cell;
+use wisdom_grid::{Cell, Raster};
 use wisdom_terrain::{Layer, hillshade};
 
 use super::input::{Ground, Input};
@@ -108,6 +108,9 @@ pub(crate) struct FigureArgs {
     /// What it is called.
     #[arg(long, value_name = "TEXT")]
     title: Option<String>,
+    /// What the colours stand for.
+    #[arg(long, value_name = "TEXT")]
+    label: Option<String>,
 }
 
 /// How many classes a layer has: whole numbers from 0 on.
@@ -151,11 +154,16 @@ pub(super) fn run(args: &FigureArgs) -> anyhow::Result<()> {
         (None, false) => ("elevation, m", ColourMap::Viridis),
         (Some(_), false) => ("value", ColourMap::Viridis),
     };
+    let label = args.label.as_deref().unwrap_or(label);
     if !args.surface {
         return draw(path, layer, Look::new(title, label, map), Some(&elevation));
     }
     let known = known(&elevation);
-    Surface::new(title, elevation.values(), layer.values(), map)
+    // Ground that is known may lack a value to colour it by.
+    let values = Raster::from_fn(layer.spec(), |cell| {
+        if layer.is_known(cell) { layer.value(cell) } else { f32::NAN }
+    });
+    Surface::new(title, elevation.values(), &values, map)
         .value_label(label)
         .known(&known)
         .exaggeration(args.exaggerate)
