@@ -29,6 +29,39 @@ proptest! {
         }
     }
 
+    /// A part of a grid keeps the whole one's cells, in the same places, and its own indices.
+    #[test]
+    fn a_part_keeps_the_numbers_of_the_whole(
+        (row, rows) in (0usize..6, 1usize..6), (col, cols) in (0usize..6, 1usize..6),
+        radius in 0usize..4,
+    ) {
+        let whole = GridSpec::new(12, 12, 2.0).unwrap().at(100.0, 50.0);
+        let window = Window { row, col, rows, cols };
+        let part = whole.part(window).unwrap();
+        prop_assert_eq!(part.window(), window);
+        for (i, cell) in part.cells().enumerate() {
+            prop_assert_eq!((part.index(cell), part.cell(i)), (i, cell));
+            prop_assert_eq!(part.centre_m(cell), whole.centre_m(cell));
+            let inside = whole.neighbours(cell).filter(|c| window.contains(*c));
+            prop_assert!(part.neighbours(cell).eq(inside));
+            let around = whole.around(cell, radius).intersection(window);
+            prop_assert_eq!(Some(part.around(cell, radius)), around);
+        }
+        let contained = whole.cells().filter(|c| part.contains(*c)).count();
+        prop_assert_eq!(contained, rows * cols);
+        // A part of a part is that part of the whole; a crop is numbered anew.
+        let inner = Window { row: row + rows / 2, col: col + cols / 2, rows: 1, cols: 1 };
+        prop_assert_eq!(part.part(inner).unwrap(), whole.part(inner).unwrap());
+        let raster = Raster::from_fn(part, |c| c.row * 100 + c.col);
+        let crop = raster.crop(inner).unwrap();
+        prop_assert_eq!(crop.values(), &[inner.row * 100 + inner.col]);
+        prop_assert_eq!(crop.spec().first(), Cell::new(0, 0));
+        prop_assert_eq!(raster.row(row)[0], row * 100 + col);
+        let beyond = Window { row: row + rows, ..inner };
+        prop_assert!(part.part(beyond).is_err());
+        prop_assert!(part.part(Window { rows: usize::MAX, ..inner }).is_err());
+    }
+
     /// The window around a cell holds exactly the cells within the radius that are on the grid.
     #[test]
     fn around_is_a_clipped_square(row in 0usize..9, col in 0usize..9, radius in 0usize..6) {
