@@ -89,7 +89,7 @@ fn info_says_the_same_of_the_same_ground_in_any_format() {
         assert!((lat.as_f64().expect("a number") + 4.666_898).abs() < 1e-5, "{name}: {lat}");
     }
     let text = done(&["terrain", "info", "crates/terrain/tests/data/i16_tiled_deflate_p2.tif"]);
-    for words in ["GeoTIFF", "stored x 0.01 + -4450", "48 rows x 64 columns of 1 m", "-32768"] {
+    for words in ["GeoTIFF", "stored x 0.01 - 4450", "48 rows x 64 columns of 1 m", "-32768"] {
         assert!(text.contains(words), "{text}");
     }
 }
@@ -98,7 +98,7 @@ fn info_says_the_same_of_the_same_ground_in_any_format() {
 fn derived_layers_are_those_of_the_library_at_the_same_place() {
     let (place, dem) = (Place::new(), dem());
     let of_library = hazards(&dem, 2);
-    let shade = hillshade(dem.values(), 315f64.to_radians(), 45f64.to_radians());
+    let shade = hillshade(&dem, 315f64.to_radians(), 45f64.to_radians());
     let shade = Layer::new(shade, dem.uncertainty().clone()).expect("a layer");
     for (command, more, layer) in [
         ("gradient", &[][..], &of_library.gradient),
@@ -114,6 +114,12 @@ fn derived_layers_are_those_of_the_library_at_the_same_place() {
         same(&file, layer);
         assert_eq!(file.body_radius_m(), Some(3_396_190.0), "{command}");
     }
+    // The edges of a part see what lies beyond them.
+    let out = place.text("part.tif");
+    let part = ["--footprint-m", "2", "--window", "5,9,20,30"];
+    done(&[&["terrain", "roughness", DEM, "-o", &out][..], &part].concat());
+    let window = Window { row: 5, col: 9, rows: 20, cols: 30 };
+    same(&place.read("part.tif"), &of_library.roughness_m.crop(window).expect("it lies inside"));
     // Central differences and Horn's part ways on rough ground.
     let out = place.text("horn.tif");
     done(&["terrain", "gradient", DEM, "-o", &out, "--kernel", "horn"]);
@@ -200,7 +206,7 @@ fn a_file_is_cut_and_brought_onto_other_grids() {
     assert_eq!(place.read("like.tif").raster.spec(), place.read("cut.tif").raster.spec());
 
     for (args, words) in [
-        (vec!["terrain", "convert", DEM, DEM], "is the file that is read"),
+        (vec!["terrain", "convert", DEM, DEM], "it is read here"),
         (vec!["terrain", "convert", DEM, "Cargo.toml"], "ends in .tif"),
         (vec!["terrain", "convert", DEM, &cut, "--window", "40,0,9,9"], "--window"),
         (vec!["terrain", "convert", DEM, &cut, "--resample", "average"], "--spacing-m M or --like"),
@@ -214,6 +220,22 @@ fn a_file_is_cut_and_brought_onto_other_grids() {
         let error = refused(&args);
         assert!(error.contains(words), "{args:?}: {error}");
     }
+    // No file that is read is written over, by whatever name.
+    let own = place.text("own.tif");
+    std::fs::copy(DEM, place.path("own.tif")).expect("it is copied");
+    let roundabout = place.text("./own.tif");
+    for args in [
+        vec!["terrain", "slope", &own, "-o", &own],
+        vec!["terrain", "hillshade", &own, "-o", &roundabout],
+        vec!["terrain", "viewshed", &own, "--observer", "5,5", "-o", &own],
+        vec!["terrain", "traversability", DEM, "--uncertainty", &own, "-o", &own],
+        vec!["terrain", "convert", DEM, &own, "--resample", "mode", "--like", &own],
+    ] {
+        assert!(refused(&args).contains("it is read here"), "{args:?}");
+    }
+    assert_eq!(std::fs::read(&own).expect("it is there"), std::fs::read(DEM).expect("it ships"));
+    let nowhere = place.text("none/out.tif");
+    assert!(refused(&["terrain", "slope", DEM, "-o", &nowhere]).contains("there is no folder"));
     // What is there and is no GeoTIFF stays.
     let note = place.path("note.tif");
     std::fs::write(&note, "keep me").expect("it is written");
@@ -307,7 +329,7 @@ fn a_mission_runs_on_ground_that_stays_in_its_files_and_is_logged_by_digest() {
     let read = LogReader::open(Path::new(&log)).expect("a log");
     let names: Vec<&str> = read.attachments.iter().map(|a| a.name.as_str()).collect();
     assert!(
-        names.iter().all(|name| !Path::new(name).extension().is_some_and(|e| e == "tif")),
+        names.iter().all(|name| Path::new(name).extension().is_none_or(|e| e != "tif")),
         "{names:?}"
     );
     let reference = read

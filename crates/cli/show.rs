@@ -73,8 +73,7 @@ pub(crate) fn run(args: &ShowArgs) -> anyhow::Result<ExitCode> {
     };
     let plane = plane(&past.maps, &args.layer)?;
     let elevation = &past.maps.layers[ELEVATION];
-    let shade =
-        wisdom_terrain::hillshade(elevation.values(), 315f64.to_radians(), 45f64.to_radians());
+    let shade = wisdom_terrain::hillshade(elevation, 315f64.to_radians(), 45f64.to_radians());
     let name = log.metadata.get("mission").map_or("mission", String::as_str);
     let rule = log.metadata.get("rule").map_or("?", String::as_str);
     let title = format!("{name}: {} at decision {number} ({rule})", args.layer);
@@ -115,14 +114,16 @@ fn check_layer(mission: &wisdom_mission::Mission, name: &str) -> Result<(), Inpu
 }
 
 fn plane(maps: &Maps, name: &str) -> Result<Plane, InputError> {
+    let interest = &maps.interest;
+    // Of ground that no expert knows anything of, an interest of 0 would be a claim.
+    let seen = interest.ignorance.map(|&ignorance| ignorance < 1.0);
     let unit = |raster: &Raster<f32>, label: &str| Plane {
         raster: raster.clone(),
         label: label.to_owned(),
         map: ColourMap::Viridis,
         range: Some((0.0, 1.0)),
-        known: None,
+        known: Some(seen.clone()),
     };
-    let interest = &maps.interest;
     let free = |raster: Raster<f32>, label: &str, known: Option<Raster<bool>>| Plane {
         raster,
         label: label.to_owned(),
@@ -132,7 +133,7 @@ fn plane(maps: &Maps, name: &str) -> Result<Plane, InputError> {
     };
     Ok(match name {
         "interest" => unit(&interest.interest, "Bel(I)"),
-        "ignorance" => unit(&interest.ignorance, "m(I or NI)"),
+        "ignorance" => Plane { known: None, ..unit(&interest.ignorance, "m(I or NI)") },
         "paradox" => unit(&interest.paradox, "m(I and NI)"),
         "conflict" => unit(&interest.conflict, "K"),
         "contradiction" => unit(&interest.contradiction, "largest m_a(I) m_b(NI)"),
@@ -140,7 +141,7 @@ fn plane(maps: &Maps, name: &str) -> Result<Plane, InputError> {
         "hazard" => free(
             maps.ground.hazard().clone(),
             "hazard rate, 1/m",
-            Some(maps.ground.blocked().map(|b| !b)),
+            Some(maps.layers[ELEVATION].uncertainty().map(|&u| u < 1.0)),
         ),
         "blocked" => unit(&maps.ground.blocked().map(|&b| f32::from(u8::from(b))), "blocked"),
         name => {
@@ -149,7 +150,7 @@ fn plane(maps: &Maps, name: &str) -> Result<Plane, InputError> {
                 let known = found.uncertainty().map(|u| *u < 1.0);
                 free(found.values().clone(), name, Some(known))
             } else if let Some(found) = name.strip_suffix("-u").and_then(layer) {
-                unit(found.uncertainty(), "u")
+                Plane { known: None, ..unit(found.uncertainty(), "u") }
             } else {
                 return Err(InputError(format!("--layer {name}: not among the derived maps")));
             }

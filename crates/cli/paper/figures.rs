@@ -31,7 +31,7 @@ pub(super) fn draw(
     std::fs::create_dir_all(folder)
         .with_context(|| format!("cannot make the folder {}", folder.display()))?;
     let heights = look.elevation.values();
-    let shade = hillshade(heights, LIGHT_AZIMUTH_RAD, LIGHT_ALTITUDE_RAD);
+    let shade = hillshade(&look.elevation, LIGHT_AZIMUTH_RAD, LIGHT_ALTITUDE_RAD);
     let sight = Raster::from_fn(look.grid, |cell| {
         let lit = LEAST_IN_SIGHT + (1.0 - LEAST_IN_SIGHT) * shade[cell];
         if look.visible[cell] { lit } else { 0.0 }

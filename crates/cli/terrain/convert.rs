@@ -7,11 +7,12 @@ use wisdom_terrain::format::GridFile;
 use wisdom_terrain::{Resampling, covering, resample};
 
 use super::input::{CellWindow, Ground};
-use super::output::{Kind, band_of, spare, write};
+use super::output::{Kind, band_of, keep_inputs, spare, write};
 use crate::exit::InputError;
 
 /// Write a terrain file as a GeoTIFF.
 #[derive(clap::Args, Debug)]
+#[command(allow_negative_numbers = true)]
 pub(crate) struct ConvertArgs {
     /// The file to read.
     input: PathBuf,
@@ -42,13 +43,8 @@ pub(super) fn run(args: &ConvertArgs) -> anyhow::Result<()> {
         return Err(InputError(message).into());
     }
     spare(path, &[b"II", b"MM"], "GeoTIFF")?;
-    let same = |a: &std::path::Path, b: &std::path::Path| {
-        a.canonicalize().is_ok_and(|a| b.canonicalize().is_ok_and(|b| a == b))
-    };
-    if same(&args.input, path) {
-        let message = format!("{}: is the file that is read", path.display());
-        return Err(InputError(message).into());
-    }
+    let inputs = [Some(args.input.as_path()), args.like.as_deref()];
+    keep_inputs(path, &inputs.into_iter().flatten().collect::<Vec<_>>())?;
     let ground = Ground::open(&args.input, args.window)?;
     let crs = ground.reader.crs();
     let kind = Kind::floats("", "");
@@ -62,6 +58,10 @@ pub(super) fn run(args: &ConvertArgs) -> anyhow::Result<()> {
     let onto = grid(args, &ground)?;
     // Of the file only what lies in the window counts.
     let from = ground.spec();
+    if covering(from, onto).is_none() {
+        let message = "--like: the two grids do not meet anywhere".to_owned();
+        return Err(InputError(message).into());
+    }
     write(path, onto, crs, &kind.options(), |rows| {
         let band = Window { row: rows.start, col: 0, rows: rows.len(), cols: onto.cols() };
         let part = onto.sub(band).map_err(|e| InputError(e.to_string()))?;
@@ -95,6 +95,9 @@ fn grid(args: &ConvertArgs, ground: &Ground) -> Result<GridSpec, InputError> {
             "--resample: onto which grid? Add --spacing-m M or --like FILE".to_owned(),
         ));
     };
+    if !(spacing_m.is_finite() && spacing_m > 0.0) {
+        return Err(InputError(format!("--spacing-m {spacing_m}: expected a number above 0")));
+    }
     let spec = ground.spec();
     let cells = |count: usize| (count as f64 * spec.spacing_m() / spacing_m - 1e-9).ceil().max(1.0);
     let (rows, cols) = (cells(spec.rows()), cells(spec.cols()));

@@ -14,6 +14,7 @@ use super::output::bar;
 
 /// What a terrain file holds.
 #[derive(clap::Args, Debug)]
+#[command(allow_negative_numbers = true)]
 pub(crate) struct InfoArgs {
     /// The file.
     file: PathBuf,
@@ -73,7 +74,9 @@ pub(super) fn run(args: &InfoArgs) -> anyhow::Result<()> {
     if args.json {
         writeln!(out, "{}", as_json(&name, &ground, &summary))?;
     } else {
-        writeln!(out, "{}", as_table(&name, &ground, &summary))?;
+        for line in as_table(&name, &ground, &summary).to_string().lines() {
+            writeln!(out, "{}", line.trim_end())?;
+        }
     }
     Ok(())
 }
@@ -152,9 +155,11 @@ fn as_table(name: &str, ground: &Ground, summary: &Summary) -> Table {
     }
     row("no data", about.nodata.clone().unwrap_or_else(|| "no value stands for it".to_owned()));
     if (about.scale, about.offset) != (1.0, 0.0) {
-        row("values", format!("stored x {} + {}", about.scale, about.offset));
+        let sign = if about.offset < 0.0 { '-' } else { '+' };
+        row("values", format!("stored x {} {sign} {}", about.scale, about.offset.abs()));
     }
-    let share = 100.0 * summary.known as f64 / spec.len() as f64;
+    // Never rounded up: a file with one hole is not whole.
+    let share = (1e4 * summary.known as f64 / spec.len() as f64).floor() / 100.0;
     row("known", format!("{} of {} cells ({share:.2} %)", summary.known, spec.len()));
     if let (Some(least), Some(largest), Some(mean)) =
         (summary.least, summary.largest, summary.mean())

@@ -19,6 +19,11 @@ pub(crate) struct Input {
 }
 
 impl Input {
+    /// The file that is read.
+    pub(super) fn path(&self) -> &Path {
+        &self.dem
+    }
+
     pub(super) fn open(&self) -> Result<Ground, InputError> {
         Ground::open(&self.dem, self.window)
     }
@@ -86,8 +91,39 @@ impl Ground {
         self.reader.read(window).map_err(|e| InputError(e.to_string()))
     }
 
+    /// A window and what lies around it in the file, as far as a derived layer reaches.
+    pub(super) fn around(&self, window: Window, reach: usize) -> Window {
+        let spec = self.reader.spec();
+        let (north, west) = (window.row.saturating_sub(reach), window.col.saturating_sub(reach));
+        let south = (window.row + window.rows + reach).min(spec.rows());
+        let east = (window.col + window.cols + reach).min(spec.cols());
+        Window { row: north, col: west, rows: south - north, cols: east - west }
+    }
+
+    /// What is asked for, in words; nothing if it is the whole file.
+    pub(super) fn part(&self) -> String {
+        let Window { row, col, rows, cols } = self.window;
+        let spec = self.reader.spec();
+        if self.window == spec.window() {
+            return String::new();
+        }
+        format!(
+            " (rows {row} to {}, columns {col} to {} of {} x {})",
+            row + rows - 1,
+            col + cols - 1,
+            spec.rows(),
+            spec.cols()
+        )
+    }
+
     /// The whole window at once, for what needs to see all of it.
     pub(super) fn whole(&self) -> Result<GridFile, InputError> {
+        self.check_size()?;
+        self.read(self.window)
+    }
+
+    /// Refuses a window too large to be looked at as one.
+    pub(super) fn check_size(&self) -> Result<(), InputError> {
         if self.spec().len() > MAX_CELLS {
             let Window { rows, cols, .. } = self.window;
             return Err(InputError(format!(
@@ -95,7 +131,7 @@ impl Ground {
                 self.name
             )));
         }
-        self.read(self.window)
+        Ok(())
     }
 
     /// The cell of the window that a cell of the file is.

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use wisdom_grid::{GridSpec, Raster};
+use wisdom_grid::{GridSpec, Raster, Window};
 use wisdom_planner::{Traversability, Vehicle};
 use wisdom_terrain::{Kernel, Layer, Measure, hillshade as shade, measure};
 
@@ -14,6 +14,7 @@ use crate::figure::ColourMap;
 
 /// Gradient or slope.
 #[derive(clap::Args, Debug)]
+#[command(allow_negative_numbers = true)]
 pub(crate) struct GradientArgs {
     #[command(flatten)]
     input: Input,
@@ -26,6 +27,7 @@ pub(crate) struct GradientArgs {
 
 /// Step height.
 #[derive(clap::Args, Debug)]
+#[command(allow_negative_numbers = true)]
 pub(crate) struct StepArgs {
     #[command(flatten)]
     input: Input,
@@ -35,6 +37,7 @@ pub(crate) struct StepArgs {
 
 /// Roughness.
 #[derive(clap::Args, Debug)]
+#[command(allow_negative_numbers = true)]
 pub(crate) struct RoughnessArgs {
     #[command(flatten)]
     input: Input,
@@ -47,13 +50,14 @@ pub(crate) struct RoughnessArgs {
 
 /// Traversability.
 #[derive(clap::Args, Debug)]
+#[command(allow_negative_numbers = true)]
 pub(crate) struct TraversabilityArgs {
     #[command(flatten)]
     input: Input,
     #[command(flatten)]
     output: Output,
-    /// What to give: severity (share of the vehicle's limits, 1 or more is blocked), hazard (rate per metre), or
-    /// blocked (1 or 0).
+    /// What to give: severity (share of the vehicle's limits, 1 or more is blocked), hazard (rate per metre; blocked
+    /// cells have that of the limits), or blocked (1 or 0).
     #[arg(long, value_enum, default_value = "severity")]
     what: What,
     /// The vehicle: a TOML file with the keys of `[rover.vehicle]` in mission.toml, each optional.
@@ -73,6 +77,7 @@ enum What {
 
 /// Hillshade.
 #[derive(clap::Args, Debug)]
+#[command(allow_negative_numbers = true)]
 pub(crate) struct HillshadeArgs {
     #[command(flatten)]
     input: Input,
@@ -157,15 +162,32 @@ fn each(
     look: Look<'_>,
     make: impl Fn(&Layer) -> anyhow::Result<Layer>,
 ) -> anyhow::Result<()> {
-    let target = output.target()?;
+    let target = output.target(&[input.path()])?;
     let ground = input.open()?;
     match target {
         Target::Tiff(path) => derive(&ground, path, kind, reach, make),
-        Target::Picture(path) => {
-            let elevation = ground.whole()?.into_layer()?;
-            draw(path, &make(&elevation)?, look, Some(&elevation))
-        }
+        Target::Picture(path) => draw_part(&ground, None, path, reach, look, make),
     }
+}
+
+/// Draws a derived layer of a part of a file, whose edges see what lies beyond them.
+fn draw_part(
+    ground: &Ground,
+    uncertainty: Option<&Ground>,
+    path: &std::path::Path,
+    reach: usize,
+    look: Look<'_>,
+    make: impl Fn(&Layer) -> anyhow::Result<Layer>,
+) -> anyhow::Result<()> {
+    ground.check_size()?;
+    let near = ground.around(ground.window, reach);
+    let u = uncertainty.map(|file| file.read(near)).transpose()?.map(|file| file.raster);
+    let elevation = with_u(ground.read(near)?.into_layer()?, u)?;
+    let (row, col) = (ground.window.row - near.row, ground.window.col - near.col);
+    let cut = Window { row, col, ..ground.window };
+    let title = format!("{}{}", look.title, ground.part());
+    let look = Look { title: &title, ..look };
+    draw(path, &make(&elevation)?.crop(cut)?, look, Some(&elevation.crop(cut)?))
 }
 
 pub(super) fn hillshade(args: &HillshadeArgs) -> anyhow::Result<()> {
@@ -179,15 +201,21 @@ pub(super) fn hillshade(args: &HillshadeArgs) -> anyhow::Result<()> {
     }
     let (azimuth_rad, altitude_rad) =
         (args.azimuth_deg.to_radians(), args.altitude_deg.to_radians());
-    let look = Look { relief: false, ..Look::new("Hillshade", "brightness", ColourMap::Grey) };
+    let title = format!(
+        "Hillshade, light from {} degrees, {} above the horizon",
+        args.azimuth_deg, args.altitude_deg
+    );
+    let look = Look { relief: false, ..Look::new(&title, "brightness", ColourMap::Grey) };
     each(&args.input, &args.output, 1, Kind::floats("hillshade", ""), look, |elevation| {
-        let light = shade(elevation.values(), azimuth_rad, altitude_rad);
+        let light = shade(elevation, azimuth_rad, altitude_rad);
         Ok(Layer::new(light, elevation.uncertainty().clone())?)
     })
 }
 
 pub(super) fn traversability(args: &TraversabilityArgs) -> anyhow::Result<()> {
-    let target = args.output.target()?;
+    let inputs = [Some(args.input.path()), args.vehicle.as_deref(), args.uncertainty.as_deref()];
+    let inputs: Vec<_> = inputs.into_iter().flatten().collect();
+    let target = args.output.target(&inputs)?;
     let ground = args.input.open()?;
     let vehicle = vehicle(args)?;
     let spec = ground.spec();
@@ -241,16 +269,7 @@ pub(super) fn traversability(args: &TraversabilityArgs) -> anyhow::Result<()> {
         Target::Tiff(path) => {
             super::output::derive_with(&ground, uncertainty.as_ref(), path, kind, reach, judge)
         }
-        Target::Picture(path) => {
-            let elevation = with_u(
-                ground.whole()?.into_layer()?,
-                match &uncertainty {
-                    None => None,
-                    Some(file) => Some(file.read(ground.window)?.raster),
-                },
-            )?;
-            draw(path, &judge(&elevation)?, look, Some(&elevation))
-        }
+        Target::Picture(path) => draw_part(&ground, uncertainty.as_ref(), path, reach, look, judge),
     }
 }
 
@@ -268,8 +287,14 @@ fn vehicle(args: &TraversabilityArgs) -> anyhow::Result<Vehicle> {
     let name = path.display();
     let text = std::fs::read_to_string(path)
         .map_err(|error| InputError(format!("--vehicle {name}: {error}")))?;
-    let vehicle: Vehicle =
+    // The keys alone, or as they stand in a mission.
+    let table: toml::Table =
         toml::from_str(&text).map_err(|error| InputError(format!("--vehicle {name}: {error}")))?;
+    let inner = table.get("rover").and_then(|rover| rover.get("vehicle")).cloned();
+    let vehicle: Vehicle = inner
+        .unwrap_or_else(|| table.into())
+        .try_into()
+        .map_err(|error| InputError(format!("--vehicle {name}: {error}")))?;
     vehicle.validate().map_err(|error| InputError(format!("--vehicle {name}: {error}")))?;
     Ok(vehicle)
 }

@@ -30,9 +30,10 @@ pub(super) enum Target<'a> {
 }
 
 impl Output {
-    /// What the result is to be. Nothing but an older result is written over.
-    pub(super) fn target(&self) -> Result<Target<'_>, InputError> {
+    /// What the result is to be. Nothing but an older result is written over, and none of the files that are read.
+    pub(super) fn target(&self, inputs: &[&Path]) -> Result<Target<'_>, InputError> {
         let path = self.output.as_path();
+        keep_inputs(path, inputs)?;
         let extension = path.extension().map(std::ffi::OsStr::to_ascii_lowercase);
         match extension.as_ref().and_then(|e| e.to_str()) {
             Some("tif" | "tiff") => {
@@ -48,6 +49,24 @@ impl Output {
                 path.display()
             ))),
         }
+    }
+}
+
+/// Refuses a name that is one of the files that are read, and a folder that is not there.
+pub(super) fn keep_inputs(path: &Path, inputs: &[&Path]) -> Result<(), InputError> {
+    let name = path.display();
+    let place = |path: &Path| path.canonicalize().ok();
+    if let Some(here) = place(path)
+        && inputs.iter().any(|input| place(input).is_some_and(|there| there == here))
+    {
+        return Err(InputError(format!("-o {name}: it is read here; choose another name")));
+    }
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+    match folder {
+        Some(folder) if !folder.is_dir() => {
+            Err(InputError(format!("-o {name}: there is no folder {}", folder.display())))
+        }
+        _ => Ok(()),
     }
 }
 
@@ -153,9 +172,8 @@ pub(super) fn derive_with(
     let window = ground.window;
     let mut failed = None;
     let written = write(path, ground.spec(), ground.reader.crs(), &kind.options(), |rows| {
-        let north = rows.start.saturating_sub(reach);
-        let south = (rows.end + reach).min(window.rows);
-        let near = Window { row: window.row + north, rows: south - north, ..window };
+        let wanted = Window { row: window.row + rows.start, rows: rows.len(), ..window };
+        let near = ground.around(wanted, reach);
         let read = ground.read(near)?;
         let u = uncertainty.map(|file| file.read(near)).transpose()?.map(|file| file.raster);
         let layer = read.into_layer().map_err(|e| InputError(e.to_string()))?;
@@ -164,7 +182,9 @@ pub(super) fn derive_with(
             failed = Some(error);
             message
         })?;
-        Ok(rows_of(&derived, rows.start - north, rows.len()))
+        let cut = Window { row: wanted.row - near.row, col: wanted.col - near.col, ..wanted };
+        let derived = derived.crop(cut).map_err(|e| InputError(e.to_string()))?;
+        Ok(band_of_layer(&derived))
     });
     match (written, failed) {
         (Err(_), Some(error)) => Err(error),
@@ -172,12 +192,9 @@ pub(super) fn derive_with(
     }
 }
 
-/// Some rows of a layer.
-fn rows_of(layer: &Layer, first: usize, rows: usize) -> Band {
-    let cols = layer.spec().cols();
-    let cells = first * cols..(first + rows) * cols;
-    let known = layer.uncertainty().values()[cells.clone()].iter().map(|&u| u < 1.0).collect();
-    (layer.values().values()[cells].to_vec(), known)
+/// A layer's values, and where it has them.
+fn band_of_layer(layer: &Layer) -> Band {
+    (layer.values().values().to_vec(), known(layer).into_values())
 }
 
 /// Where a layer has a value.

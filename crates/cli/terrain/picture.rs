@@ -6,7 +6,7 @@ use wisdom_grid::{Cell, Raster};
 use wisdom_terrain::{Layer, hillshade};
 
 use super::input::{Ground, Input};
-use super::output::{known, spare, told};
+use super::output::{keep_inputs, known, spare, told};
 use crate::exit::InputError;
 use crate::figure::{Axes, ColourMap, Figure, Ink, Markers, Shape, Surface};
 
@@ -60,7 +60,7 @@ pub(super) fn draw_marked(
     let known = known(layer);
     let shade = elevation
         .filter(|_| look.relief)
-        .map(|elevation| hillshade(elevation.values(), 315f64.to_radians(), 45f64.to_radians()));
+        .map(|elevation| hillshade(elevation, 315f64.to_radians(), 45f64.to_radians()));
     let mut figure = Figure::new(look.title, layer.values(), look.map)
         .value_label(look.label)
         .known(&known)
@@ -84,6 +84,7 @@ pub(super) fn draw_marked(
 
 /// Draw a terrain file.
 #[derive(clap::Args, Debug)]
+#[command(allow_negative_numbers = true)]
 pub(crate) struct FigureArgs {
     #[command(flatten)]
     input: Input,
@@ -134,6 +135,12 @@ pub(super) fn run(args: &FigureArgs) -> anyhow::Result<()> {
         return Err(InputError(message).into());
     }
     spare(path, &[b"\x89PNG"], "picture")?;
+    let inputs = [Some(args.input.path()), args.drape.as_deref()];
+    keep_inputs(path, &inputs.into_iter().flatten().collect::<Vec<_>>())?;
+    if !(args.exaggerate.is_finite() && args.exaggerate > 0.0) {
+        let message = format!("--exaggerate {}: expected a number above 0", args.exaggerate);
+        return Err(InputError(message).into());
+    }
     let ground = args.input.open()?;
     let elevation = ground.whole()?.into_layer()?;
     let drape = match &args.drape {
@@ -141,14 +148,21 @@ pub(super) fn run(args: &FigureArgs) -> anyhow::Result<()> {
         Some(drape) => {
             let file = Ground::open(drape, None)?;
             if file.reader.spec() != ground.reader.spec() {
-                let message = format!("--drape {}: it lies on another grid", drape.display());
+                let message = format!(
+                    "--drape {}: it lies on another grid than the elevation; bring it there with `wisdom terrain \
+                     convert --like`",
+                    drape.display()
+                );
                 return Err(InputError(message).into());
             }
             Some(file.read(ground.window)?.into_layer()?)
         }
     };
     let layer = drape.as_ref().unwrap_or(&elevation);
-    let title = args.title.as_deref().unwrap_or("Elevation");
+    let shown = args.drape.as_deref().unwrap_or(args.input.path());
+    let stem = shown.file_stem().map(|stem| stem.to_string_lossy().into_owned());
+    let title = args.title.clone().or(stem).unwrap_or_default() + &ground.part();
+    let title = title.as_str();
     let (label, map) = match (&drape, args.classes) {
         (_, true) => ("class", ColourMap::Classes(classes(layer)?)),
         (None, false) => ("elevation, m", ColourMap::Viridis),
@@ -156,7 +170,10 @@ pub(super) fn run(args: &FigureArgs) -> anyhow::Result<()> {
     };
     let label = args.label.as_deref().unwrap_or(label);
     if !args.surface {
-        return draw(path, layer, Look::new(title, label, map), Some(&elevation));
+        // Class numbers are no relief.
+        let relief = drape.is_some() || !args.classes;
+        let look = Look { relief, ..Look::new(title, label, map) };
+        return draw(path, layer, look, Some(&elevation));
     }
     let known = known(&elevation);
     // Ground that is known may lack a value to colour it by.

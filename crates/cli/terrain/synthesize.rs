@@ -12,6 +12,7 @@ use crate::figure::ColourMap;
 
 /// Make terrain from a description.
 #[derive(clap::Args, Debug)]
+#[command(allow_negative_numbers = true)]
 pub(crate) struct SynthesizeArgs {
     /// The description (see missions/paper/landscape.toml).
     landscape: PathBuf,
@@ -51,7 +52,7 @@ fn layer(text: &str) -> Result<SceneLayer, String> {
 }
 
 pub(super) fn run(args: &SynthesizeArgs) -> anyhow::Result<()> {
-    let target = args.output.target()?;
+    let target = args.output.target(&[&args.landscape])?;
     let name = args.landscape.display();
     let text = std::fs::read_to_string(&args.landscape)
         .map_err(|error| InputError(format!("{name}: {error}")))?;

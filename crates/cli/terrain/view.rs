@@ -12,6 +12,7 @@ use crate::figure::ColourMap;
 
 /// Viewshed.
 #[derive(clap::Args, Debug)]
+#[command(allow_negative_numbers = true)]
 pub(crate) struct ViewshedArgs {
     #[command(flatten)]
     input: Input,
@@ -33,8 +34,8 @@ pub(crate) struct ViewshedArgs {
     /// Height above its ground at which a target counts as seen, metres.
     #[arg(long, value_name = "M", default_value_t = 0.0)]
     target_height: f64,
-    /// exact: every line of sight by the definition. fast: a horizon carried outwards, about one cell in a hundred
-    /// wrong.
+    /// exact: every line of sight by the definition. fast: a sampled horizon, some cells in a
+    /// thousand wrong, at the edges of shadows.
     #[arg(long, default_value = "exact")]
     method: Method,
     /// Middle of the sector it looks at, degrees clockwise from north.
@@ -46,7 +47,7 @@ pub(crate) struct ViewshedArgs {
 }
 
 pub(super) fn run(args: &ViewshedArgs) -> anyhow::Result<()> {
-    let target = args.output.target()?;
+    let target = args.output.target(&[args.input.path()])?;
     let ground = args.input.open()?;
     let ColRow(at) = args.observer;
     let cell = ground.local("--observer", at)?;
@@ -100,10 +101,17 @@ pub(super) fn run(args: &ViewshedArgs) -> anyhow::Result<()> {
             })
         }
         Target::Picture(path) => {
-            let title =
-                format!("In sight from {} m above column {}, row {}", args.height, at.col, at.row);
-            let look = Look::new(&title, "in sight", ColourMap::Classes(2))
-                .classes(&["hidden", "in sight"]);
+            let title = format!(
+                "In sight from {} m above column {}, row {}{}",
+                args.height,
+                at.col,
+                at.row,
+                ground.part()
+            );
+            let limited = observer.range_m.is_some() || !all_round;
+            let hidden = if limited { "hidden or out of range" } else { "hidden" };
+            let classes = [hidden, "in sight"];
+            let look = Look::new(&title, "in sight", ColourMap::Classes(2)).classes(&classes);
             let camera = Mark { name: format!("camera, {} m up", args.height), cell };
             draw_marked(path, &in_sight, look, Some(&elevation), Some(camera))
         }

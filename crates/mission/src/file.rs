@@ -181,7 +181,7 @@ fn full_circle() -> f64 {
 #[derive(Debug, Clone, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub(crate) struct RoverFile {
-    pub start: [usize; 2],
+    pub start: Vec<usize>,
     #[serde(default)]
     pub heading_deg: f64,
     #[serde(default = "five")]

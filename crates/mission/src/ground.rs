@@ -18,6 +18,9 @@ use crate::truth::{FileValues, LayerTruth, ReadingKind, SiteU, Values, site_u};
 /// The largest working map, cells a side: decisions on it take tens of times as long as on the usual 512.
 const MAX_WORKING_CELLS: usize = 4096;
 
+/// How far two radii of one body may be apart, relative: ellipsoids and spheres of Mars differ by half a per cent.
+const SAME_BODY: f64 = 0.01;
+
 /// The part of a working map's side that may be driven between two looks: it moves on only when the rover looks.
 const LOOKS_A_SIDE: f64 = 8.0;
 
@@ -119,6 +122,13 @@ impl Reader<'_> {
             (None, Some(scene)) => Some((scene.grid, None)),
             (None, None) => None,
         };
+        if let (Some(asked_m), Some((_, Some(crs)))) = (self.file.terrain.body_radius_m, &first)
+            && let Some(told_m) = crs.radius_m
+            && (asked_m / told_m - 1.0).abs() > SAME_BODY
+        {
+            let message = format!("{asked_m}, but the file of the elevation tells {told_m}");
+            return Err(self.error(&["terrain", "body-radius-m"], message));
+        }
         let mut truth = BTreeMap::new();
         for (i, layer, values) in sources {
             let index = i.to_string();
@@ -309,20 +319,25 @@ fn fitted(
     (grid, crs): (GridSpec, Option<&Crs>),
     (key, fault): (&'static str, Fault<'_>),
 ) -> Result<Source, MissionError> {
-    if source.grid() == grid {
-        return Ok(source);
-    }
-    let Some(name) = &layer.resample else {
-        return Err(other_grid(layer, source.grid(), grid, (key, fault)));
+    let asked = match &layer.resample {
+        None => None,
+        Some(name) => Some(name.parse::<Resampling>().map_err(|e| fault("resample", &e))?),
     };
-    let asked: Resampling = name.parse().map_err(|e| fault("resample", &e))?;
     let is_class = layer.kind == Some(Kind::Class);
-    if is_class && key == "file" && matches!(asked, Resampling::Bilinear | Resampling::Average) {
+    if let Some(name) =
+        asked.filter(|way| is_class && matches!(way, Resampling::Bilinear | Resampling::Average))
+    {
         let message = format!(
             "`{name}` mixes values, and classes have no mean; expected `nearest` or `mode`"
         );
         return Err(fault("resample", &message));
     }
+    if source.grid() == grid {
+        return Ok(source);
+    }
+    let Some(asked) = asked else {
+        return Err(other_grid(layer, source.grid(), grid, (key, fault)));
+    };
     if let (Some(here), Some(there)) = (source.crs(), crs)
         && !here.same_projection(there)
     {

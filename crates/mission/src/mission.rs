@@ -310,7 +310,7 @@ impl Reader<'_> {
         let domain = self.domain()?;
         let directives = self.directives(&domain, &experts)?;
         let manager = self.manager()?;
-        let start = self.start(grid)?;
+        let start = self.start(grid, &truth[ELEVATION])?;
         file.rover.vehicle.validate().map_err(|e| match &e {
             PlannerError::Vehicle { field, .. } => self.error(&["rover", "vehicle", field], &e),
             _ => self.error(&["rover", "vehicle"], &e),
@@ -693,13 +693,24 @@ impl Reader<'_> {
         })
     }
 
-    fn start(&self, grid: GridSpec) -> Result<Cell, MissionError> {
-        let [row, col] = self.file.rover.start;
+    fn start(&self, grid: GridSpec, elevation: &LayerTruth) -> Result<Cell, MissionError> {
+        let error = |message: String| self.error(&["rover", "start"], message);
+        let [row, col] = self.file.rover.start[..] else {
+            let found = self.file.rover.start.len();
+            return Err(error(format!("{found} numbers; expected two, [row, col]")));
+        };
         let start = Cell { row, col };
-        if grid.contains(start) {
-            return Ok(start);
+        if !grid.contains(start) {
+            return Err(error(format!("{start} is off {}", shown(grid))));
         }
-        Err(self.error(&["rover", "start"], format!("{start} is off {}", shown(grid))))
+        // Ground that is not at hand is not asked: a log's own mission was checked when it ran.
+        if elevation.is_at_hand() {
+            let here = elevation.window(grid.around(start, 0)).map_err(|e| error(e.to_string()))?;
+            if !here.is_known(start) {
+                return Err(error(format!("nothing is known of the ground at {start}")));
+            }
+        }
+        Ok(start)
     }
 
     fn budget(&self) -> Result<Budget, MissionError> {

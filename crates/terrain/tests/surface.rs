@@ -114,6 +114,7 @@ fn a_slope_facing_the_light_is_brighter_than_level_ground_and_one_turned_away_da
     use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
     let shade = |rise: f32| {
         let ramp = Raster::from_fn(spec(5, 5, 1.0), |c| rise * c.col as f32);
+        let ramp = Layer::certain(ramp).unwrap();
         hillshade(&ramp, 3.0 * FRAC_PI_2, FRAC_PI_4)[Cell::new(2, 2)] // light from the west
     };
     assert!((shade(1.0) - 1.0).abs() < 1e-6, "ground that rises away from the light faces it");
@@ -129,7 +130,8 @@ fn shading_is_the_cosine_between_light_and_normal() {
         let heights = Raster::from_fn(spec(rows, cols, 0.5), |c| {
             -4500.0 + normal_noise(&[c.row as u64, c.col as u64]) as f32
         });
-        for (cell, &bright) in hillshade(&heights, azimuth_rad, altitude_rad).iter() {
+        let ground = Layer::certain(heights.clone()).unwrap();
+        for (cell, &bright) in hillshade(&ground, azimuth_rad, altitude_rad).iter() {
             let z = |d_row: usize, d_col: usize| {
                 let row = (cell.row + d_row).saturating_sub(1).min(rows - 1);
                 let col = (cell.col + d_col).saturating_sub(1).min(cols - 1);
@@ -226,7 +228,7 @@ fn a_part_of_the_ground_has_the_shape_of_the_same_ground_numbered_from_nought() 
         assert_eq!(far.spec(), there.spec());
         assert_eq!(near, far.numbered_from(Cell::new(0, 0)));
     }
-    let (near, far) = (hillshade(here.values(), 0.7, 0.5), hillshade(there.values(), 0.7, 0.5));
+    let (near, far) = (hillshade(&here, 0.7, 0.5), hillshade(&there, 0.7, 0.5));
     assert_eq!(near, far.numbered_from(Cell::new(0, 0)));
 }
 
@@ -256,4 +258,15 @@ fn nothing_depends_on_whether_a_layer_knows_that_its_u_is_alike() {
         measure_into(&touched, measures, [first, second]);
         assert_eq!(reused, measure(&known, measures));
     }
+}
+
+#[test]
+fn a_hole_casts_no_frame_of_shadow_around_itself() {
+    let spec = spec(30, 60, 1.0);
+    let heights = Raster::filled(spec, -4500.0);
+    let hole = |c: Cell| (10..15).contains(&c.row) && (20..30).contains(&c.col);
+    let u = Raster::from_fn(spec, |c| if hole(c) { 1.0 } else { 0.0 });
+    let ground = Layer::new(heights.clone(), u).unwrap();
+    let level = hillshade(&Layer::certain(heights).unwrap(), 5.5, 0.8);
+    assert_eq!(hillshade(&ground, 5.5, 0.8), level, "level ground is as bright beside a hole");
 }

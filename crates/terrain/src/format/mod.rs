@@ -326,7 +326,9 @@ fn kind(bytes: &[u8]) -> Kind {
     } else if starts(b"ply") {
         Kind::Other("a PLY mesh")
     } else {
-        Kind::Other("bytes of no format known here")
+        Kind::Other(
+            "bytes of no format known here (of an image with a label beside it, the label is to be named)",
+        )
     }
 }
 

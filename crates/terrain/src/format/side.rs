@@ -60,6 +60,13 @@ impl Side {
                 return Err(damaged(file, format!("{key} is {x}; {wanted} is wanted")));
             }
         }
+        if self.scale == Some(0.0) {
+            return Err(damaged(file, "scale is 0; every height would be the same".to_owned()));
+        }
+        if self.west_m.is_some() != self.north_m.is_some() {
+            let reason = "west-m and north-m make one corner: both or none are wanted";
+            return Err(damaged(file, reason.to_owned()));
+        }
         Ok(())
     }
 

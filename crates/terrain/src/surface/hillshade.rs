@@ -5,12 +5,13 @@ use wisdom_grid::Raster;
 
 use super::stencil::per_two_cells;
 use super::width::{Instructions, Job, Single, Width};
+use crate::Layer;
 
-/// Brightness in [0, 1] of an elevation raster in metres, lit from `azimuth_rad` (clockwise from north) and
+/// Brightness in [0, 1] of an elevation layer in metres, lit from `azimuth_rad` (clockwise from north) and
 /// `altitude_rad` (above the horizon), with Horn's gradient (Horn, "Hill shading and the reflectance map", 1981);
-/// edges repeat their outermost cells. For figures only.
+/// edges repeat their outermost cells, and where a neighbour is unknown the ground goes on level. For figures only.
 #[must_use]
-pub fn hillshade(elevation: &Raster<f32>, azimuth_rad: f64, altitude_rad: f64) -> Raster<f32> {
+pub fn hillshade(elevation: &Layer, azimuth_rad: f64, altitude_rad: f64) -> Raster<f32> {
     let spec = elevation.spec();
     let light = Light {
         east: (libm::sin(azimuth_rad) * libm::cos(altitude_rad)) as f32,
@@ -23,8 +24,15 @@ pub fn hillshade(elevation: &Raster<f32>, azimuth_rad: f64, altitude_rad: f64) -
     shade.values_mut().par_chunks_mut(cols).enumerate().with_min_len(16).for_each(
         |(row, shade)| {
             let rows = [row.saturating_sub(1), row, (row + 1).min(last_row)];
-            let rows = rows.map(|row| elevation.row(spec.first().row + row));
-            Instructions::widest().run(ShadeRow { light, rows, shade });
+            let here = ShadeRow {
+                light,
+                rows: rows.map(|row| elevation.values().row(spec.first().row + row)),
+                shade,
+            };
+            let u = rows.map(|row| elevation.uncertainty().row(spec.first().row + row));
+            let whole = elevation.alike().is_some_and(|u| u < 1.0)
+                || u.iter().all(|row| row.iter().all(|&u| u < 1.0));
+            if whole { Instructions::widest().run(here) } else { here.beside_holes(u) }
         },
     );
     shade
@@ -44,6 +52,22 @@ struct ShadeRow<'a> {
     light: Light,
     rows: [&'a [f32]; 3],
     shade: &'a mut [f32],
+}
+
+impl ShadeRow<'_> {
+    /// Cell by cell, each in the middle of what is known around it.
+    fn beside_holes(self, u: [&[f32]; 3]) {
+        let last = self.shade.len() - 1;
+        for col in 0..=last {
+            let beside = [col.saturating_sub(1), col, (col + 1).min(last)];
+            let middle = self.rows[1][col];
+            let near: [[f32; 3]; 3] = std::array::from_fn(|row| {
+                beside.map(|col| if u[row][col] < 1.0 { self.rows[row][col] } else { middle })
+            });
+            let rows = near.each_ref().map(<[f32; 3]>::as_slice);
+            self.shade[col] = brightness(Single, self.light, rows, [0, 1, 2]);
+        }
+    }
 }
 
 impl Job for ShadeRow<'_> {
