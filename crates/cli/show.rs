@@ -6,7 +6,7 @@ use std::process::ExitCode;
 
 use wisdom_autonomy::{Act, Decision, ELEVATION, Maps};
 use wisdom_goals::{Action, Status};
-use wisdom_grid::{Cell, Raster};
+use wisdom_grid::{Cell, Raster, Window};
 use wisdom_logbook::{Entry, LogReader};
 
 use crate::exit::InputError;
@@ -76,7 +76,14 @@ pub(crate) fn run(args: &ShowArgs) -> anyhow::Result<ExitCode> {
     let shade = wisdom_terrain::hillshade(elevation, 315f64.to_radians(), 45f64.to_radians());
     let name = log.metadata.get("mission").map_or("mission", String::as_str);
     let rule = log.metadata.get("rule").map_or("?", String::as_str);
-    let title = format!("{name}: {} at decision {number} ({rule})", args.layer);
+    let mut title = format!("{name}: {} at decision {number} ({rule})", args.layer);
+    let (map, grid) = (plane.raster.spec().window(), mission.spec.grid.window());
+    if map != grid {
+        let (south, east) = (map.row + map.rows - 1, map.col + map.cols - 1);
+        let Window { row, col, .. } = map;
+        let whole = format!("{} x {}", grid.rows, grid.cols);
+        title = format!("{title}; rows {row} to {south}, columns {col} to {east} of {whole}");
+    }
     let mut figure = Figure::new(&title, &plane.raster, plane.map)
         .value_label(&plane.label)
         .hillshade(&shade)
@@ -89,7 +96,7 @@ pub(crate) fn run(args: &ShowArgs) -> anyhow::Result<ExitCode> {
     }
     let driven = driven(&log, number, past.decision.state.pose.cell);
     let on_map = |cell: Cell| plane.raster.spec().contains(cell);
-    figure = overlays(figure, &past.decision, &past.achieved, driven, &on_map);
+    figure = overlays(figure, &past.decision, &past.achieved, &driven, &on_map);
     figure.save(&args.output)?;
     let mut out = std::io::stdout().lock();
     writeln!(out, "{}", args.output.display())?;
@@ -177,11 +184,9 @@ fn overlays<'a>(
     figure: Figure<'a>,
     decision: &Decision,
     achieved: &[(Cell, String)],
-    mut driven: Vec<Cell>,
+    driven: &[Cell],
     on_map: &dyn Fn(Cell) -> bool,
 ) -> Figure<'a> {
-    // A map that moved on with the rover shows what lies on it.
-    driven.retain(|cell| on_map(*cell));
     let mut planned: Vec<Cell> = Vec::new();
     for leg in &decision.plan().plan.legs {
         planned.extend(&leg.route.cells);
@@ -189,7 +194,6 @@ fn overlays<'a>(
     if let Act::Look { route, .. } | Act::Home { route } = &decision.act {
         planned.extend(&route.cells);
     }
-    planned.retain(|cell| on_map(*cell));
     planned.dedup();
     let mut chosen = Vec::new();
     let mut known = Vec::new();
@@ -208,9 +212,8 @@ fn overlays<'a>(
         Markers { name: name.into(), shape, ink, at }
     };
     let mut figure = figure;
-    if driven.len() > 1 {
-        let (name, stroke, ink) = ("driven".to_owned(), Stroke::Solid, Ink::White);
-        figure = figure.track(Track { name, cells: driven, stroke, ink });
+    for track in tracks("driven", driven, Stroke::Solid, Ink::White, on_map) {
+        figure = figure.track(track);
     }
     if !reached.is_empty() {
         figure = figure.markers(markers("achieved", Shape::Square, Ink::Purple, reached));
@@ -224,13 +227,26 @@ fn overlays<'a>(
             Ink::Vermilion,
             vec![(decision.state.pose.cell, String::new())],
         ));
-    if planned.len() > 1 {
-        figure = figure.track(Track {
-            name: "planned".into(),
-            cells: planned,
-            stroke: Stroke::Dashed,
-            ink: Ink::Orange,
-        });
+    for track in tracks("planned", &planned, Stroke::Dashed, Ink::Orange, on_map) {
+        figure = figure.track(track);
     }
     figure
+}
+
+/// The pieces of a way that lie on the map, which may have moved on with the rover; the first one bears the name.
+fn tracks(
+    name: &str,
+    way: &[Cell],
+    stroke: Stroke,
+    ink: Ink,
+    on_map: &dyn Fn(Cell) -> bool,
+) -> Vec<Track> {
+    let pieces = way.split(|cell| !on_map(*cell)).filter(|piece| piece.len() > 1);
+    let named = |(i, piece): (usize, &[Cell])| Track {
+        name: if i == 0 { name.to_owned() } else { String::new() },
+        cells: piece.to_vec(),
+        stroke,
+        ink,
+    };
+    pieces.enumerate().map(named).collect()
 }

@@ -315,7 +315,11 @@ impl Canvas {
     }
 
     pub(super) fn write(&self, path: &Path) -> anyhow::Result<()> {
-        let mut file = BufWriter::new(File::create(path)?);
+        // Beside its place first: a failure leaves what was there.
+        let mut part = path.as_os_str().to_owned();
+        part.push(".part");
+        let part = Path::new(&part);
+        let mut file = BufWriter::new(File::create(part)?);
         let mut encoder = png::Encoder::new(&mut file, self.width as u32, self.height as u32);
         encoder.set_color(png::ColorType::Rgb);
         encoder.set_depth(png::BitDepth::Eight);
@@ -325,6 +329,8 @@ impl Canvas {
         writer.finish()?;
         // Here, where an error can still be told; a dropped buffer would swallow it.
         file.flush()?;
+        drop(file);
+        std::fs::rename(part, path)?;
         Ok(())
     }
 }

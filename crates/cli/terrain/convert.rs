@@ -27,6 +27,12 @@ pub(crate) struct ConvertArgs {
     /// Spacing of the new grid, metres; it begins at the same north-west corner.
     #[arg(long, value_name = "M", requires = "resample", conflicts_with = "like")]
     spacing_m: Option<f64>,
+    /// What stands for "no data" in the GeoTIFF.
+    #[arg(long, value_name = "V", default_value_t = -32767.0)]
+    nodata: f64,
+    /// Of a file of several bands this one, counted from 1.
+    #[arg(long, value_name = "N")]
+    band: Option<usize>,
     /// The grid of this file, which must be of the same projection.
     #[arg(long, value_name = "FILE", requires = "resample")]
     like: Option<PathBuf>,
@@ -45,11 +51,12 @@ pub(super) fn run(args: &ConvertArgs) -> anyhow::Result<()> {
     spare(path, &[b"II", b"MM"], "GeoTIFF")?;
     let inputs = [Some(args.input.as_path()), args.like.as_deref()];
     keep_inputs(path, &inputs.into_iter().flatten().collect::<Vec<_>>())?;
-    let ground = Ground::open(&args.input, args.window)?;
+    let ground = Ground::open(&args.input, args.window, args.band)?;
     let crs = ground.reader.crs();
-    let kind = Kind::floats("", "");
+    let mut options = Kind::floats("", "").options();
+    options.nodata = Some(args.nodata);
     let Some(way) = args.resample else {
-        return write(path, ground.spec(), crs, &kind.options(), |rows| {
+        return write(path, ground.spec(), crs, &options, |rows| {
             let window =
                 Window { row: ground.window.row + rows.start, rows: rows.len(), ..ground.window };
             Ok(band_of(ground.read(window)?))
@@ -62,7 +69,7 @@ pub(super) fn run(args: &ConvertArgs) -> anyhow::Result<()> {
         let message = "--like: the two grids do not meet anywhere".to_owned();
         return Err(InputError(message).into());
     }
-    write(path, onto, crs, &kind.options(), |rows| {
+    write(path, onto, crs, &options, |rows| {
         let band = Window { row: rows.start, col: 0, rows: rows.len(), cols: onto.cols() };
         let part = onto.sub(band).map_err(|e| InputError(e.to_string()))?;
         let Some(under) = covering(from, part) else { return Ok(band_of(GridFile::unknown(part))) };
@@ -78,7 +85,7 @@ pub(super) fn run(args: &ConvertArgs) -> anyhow::Result<()> {
 /// The grid to write on.
 fn grid(args: &ConvertArgs, ground: &Ground) -> Result<GridSpec, InputError> {
     if let Some(like) = &args.like {
-        let other = Ground::open(like, None)?;
+        let other = Ground::open(like, None, Some(1))?;
         if let (Some(a), Some(b)) = (ground.reader.crs(), other.reader.crs())
             && !a.same_projection(b)
         {

@@ -18,6 +18,9 @@ use super::output::bar;
 pub(crate) struct InfoArgs {
     /// The file.
     file: PathBuf,
+    /// The band whose values are told, counted from 1.
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    band: usize,
     /// Print one JSON object instead of text.
     #[arg(long)]
     json: bool,
@@ -67,8 +70,8 @@ impl Summary {
 }
 
 pub(super) fn run(args: &InfoArgs) -> anyhow::Result<()> {
-    let ground = Ground::open(&args.file, None)?;
     let name = args.file.display().to_string();
+    let ground = Ground::open(&args.file, None, Some(args.band))?;
     let summary = Summary::of(&ground, &name)?;
     let mut out = std::io::stdout().lock();
     if args.json {
@@ -90,6 +93,7 @@ fn as_json(name: &str, ground: &Ground, summary: &Summary) -> Value {
         "storage": about.storage,
         "rows": spec.rows(),
         "cols": spec.cols(),
+        "bands": ground.reader.bands(),
         "spacing_m": spec.spacing_m(),
         "west_m": spec.west_m(),
         "north_m": spec.north_m(),
@@ -152,6 +156,12 @@ fn as_table(name: &str, ground: &Ground, summary: &Summary) -> Table {
                 row("middle", format!("{lon:.5} E, {lat:.5} N"));
             }
         }
+    }
+    if ground.reader.bands() > 1 {
+        row(
+            "bands",
+            format!("{}; what follows is of band {}", ground.reader.bands(), ground.band()),
+        );
     }
     row("no data", about.nodata.clone().unwrap_or_else(|| "no value stands for it".to_owned()));
     if (about.scale, about.offset) != (1.0, 0.0) {

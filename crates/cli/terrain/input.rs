@@ -16,6 +16,9 @@ pub(crate) struct Input {
     /// Only this part of it.
     #[arg(long, value_name = "ROW,COL,ROWS,COLS")]
     window: Option<CellWindow>,
+    /// Of a file of several bands this one, counted from 1.
+    #[arg(long, value_name = "N")]
+    band: Option<usize>,
 }
 
 impl Input {
@@ -25,7 +28,7 @@ impl Input {
     }
 
     pub(super) fn open(&self) -> Result<Ground, InputError> {
-        Ground::open(&self.dem, self.window)
+        Ground::open(&self.dem, self.window, self.band)
     }
 }
 
@@ -66,16 +69,43 @@ pub(super) struct Ground {
     pub(super) reader: GridReader,
     pub(super) window: Window,
     name: String,
+    /// Counted from 0.
+    band: usize,
 }
 
 impl Ground {
-    pub(super) fn open(path: &Path, window: Option<CellWindow>) -> Result<Self, InputError> {
+    /// Without a band, the file must have one alone.
+    pub(super) fn open(
+        path: &Path,
+        window: Option<CellWindow>,
+        band: Option<usize>,
+    ) -> Result<Self, InputError> {
         let reader = GridReader::open(path).map_err(|e| InputError(e.to_string()))?;
+        let bands = reader.bands();
+        let band = match band {
+            None if bands == 1 => 0,
+            None => {
+                let name = path.display();
+                let message =
+                    format!("{name} has {bands} bands; choose one with --band 1 to {bands}");
+                return Err(InputError(message));
+            }
+            Some(band) if (1..=bands).contains(&band) => band - 1,
+            Some(band) => {
+                let name = path.display();
+                return Err(InputError(format!("--band {band}: {name} has bands 1 to {bands}")));
+            }
+        };
         let whole = reader.spec().window();
         let window = window.map_or(whole, |CellWindow(window)| window);
         let name = path.display().to_string();
         reader.spec().sub(window).map_err(|e| InputError(format!("{name}: --window: {e}")))?;
-        Ok(Self { reader, window, name })
+        Ok(Self { reader, window, name, band })
+    }
+
+    /// The band that is read, counted from 1.
+    pub(super) fn band(&self) -> usize {
+        self.band + 1
     }
 
     /// Where the window lies.
@@ -88,7 +118,8 @@ impl Ground {
 
     /// A part of the file.
     pub(super) fn read(&self, window: Window) -> Result<GridFile, InputError> {
-        self.reader.read(window).map_err(|e| InputError(e.to_string()))
+        let mut bands = self.reader.read_bands(window).map_err(|e| InputError(e.to_string()))?;
+        Ok(bands.swap_remove(self.band))
     }
 
     /// A window and what lies around it in the file, as far as a derived layer reaches.

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use wisdom_grid::{GridSpec, Raster, Window};
 use wisdom_planner::{Traversability, Vehicle};
+use wisdom_terrain::format::GridFile;
 use wisdom_terrain::{Kernel, Layer, Measure, hillshade as shade, measure};
 
 use super::input::{Ground, Input};
@@ -181,7 +182,7 @@ fn draw_part(
 ) -> anyhow::Result<()> {
     ground.check_size()?;
     let near = ground.around(ground.window, reach);
-    let u = uncertainty.map(|file| file.read(near)).transpose()?.map(|file| file.raster);
+    let u = uncertainty.map(|file| file.read(near)).transpose()?;
     let elevation = with_u(ground.read(near)?.into_layer()?, u)?;
     let (row, col) = (ground.window.row - near.row, ground.window.col - near.col);
     let cut = Window { row, col, ..ground.window };
@@ -223,7 +224,7 @@ pub(super) fn traversability(args: &TraversabilityArgs) -> anyhow::Result<()> {
     let uncertainty = match &args.uncertainty {
         None => None,
         Some(path) => {
-            let file = Ground::open(path, None)?;
+            let file = Ground::open(path, None, None)?;
             if file.reader.spec() != ground.reader.spec() {
                 let message = format!(
                     "--uncertainty {}: it lies on another grid than the elevation; bring it there with \
@@ -274,10 +275,12 @@ pub(super) fn traversability(args: &TraversabilityArgs) -> anyhow::Result<()> {
 }
 
 /// Heights with their uncertainty; cells of which that is not a share from 0 to 1 are refused.
-pub(super) fn with_u(elevation: Layer, u: Option<Raster<f32>>) -> anyhow::Result<Layer> {
-    let Some(u) = u else { return Ok(elevation) };
-    let spec = elevation.spec();
-    let u = Raster::from_fn(spec, |cell| if elevation.is_known(cell) { u[cell] } else { 1.0 });
+pub(super) fn with_u(elevation: Layer, u: Option<GridFile>) -> anyhow::Result<Layer> {
+    let Some(file) = u else { return Ok(elevation) };
+    // Where the file has no uncertainty, nothing is certain.
+    let u = Raster::from_fn(elevation.spec(), |cell| {
+        if elevation.is_known(cell) && file.known[cell] { file.raster[cell] } else { 1.0 }
+    });
     let layer = Layer::new(elevation.values().clone(), u);
     layer.map_err(|error| InputError(format!("--uncertainty: {error}")).into())
 }

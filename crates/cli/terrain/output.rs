@@ -30,7 +30,7 @@ pub(super) enum Target<'a> {
 }
 
 impl Output {
-    /// What the result is to be. Nothing but an older result is written over, and none of the files that are read.
+    /// What the result is to be. Nothing but a GeoTIFF or a picture is written over, and none of the files that are read.
     pub(super) fn target(&self, inputs: &[&Path]) -> Result<Target<'_>, InputError> {
         let path = self.output.as_path();
         keep_inputs(path, inputs)?;
@@ -70,10 +70,14 @@ pub(super) fn keep_inputs(path: &Path, inputs: &[&Path]) -> Result<(), InputErro
     }
 }
 
-/// Refuses to write over what is no older result.
+/// Refuses to write over what is not of the kind that is written.
 pub(super) fn spare(path: &Path, magics: &[&[u8]], what: &str) -> Result<(), InputError> {
     let mut begin = Vec::new();
-    let Ok(file) = std::fs::File::open(path) else { return Ok(()) };
+    let file = match std::fs::File::open(path) {
+        Ok(file) => file,
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(()),
+        Err(error) => return Err(InputError(format!("-o {}: {error}", path.display()))),
+    };
     let read = file.take(8).read_to_end(&mut begin);
     let older = magics.iter().any(|magic| begin.starts_with(magic));
     if read.is_ok() && (older || begin.is_empty()) {
@@ -175,7 +179,7 @@ pub(super) fn derive_with(
         let wanted = Window { row: window.row + rows.start, rows: rows.len(), ..window };
         let near = ground.around(wanted, reach);
         let read = ground.read(near)?;
-        let u = uncertainty.map(|file| file.read(near)).transpose()?.map(|file| file.raster);
+        let u = uncertainty.map(|file| file.read(near)).transpose()?;
         let layer = read.into_layer().map_err(|e| InputError(e.to_string()))?;
         let derived = with_u(layer, u).and_then(|layer| make(&layer)).map_err(|error| {
             let message = InputError(error.to_string());
@@ -216,6 +220,16 @@ pub(super) fn bar(name: &str, rows: usize) -> anyhow::Result<ProgressBar> {
     )?);
     bar.set_prefix(name.to_owned());
     Ok(bar)
+}
+
+/// Shows that work goes on of which nobody knows how long it takes, if somebody watches.
+pub(super) fn spinner(text: &str) -> ProgressBar {
+    if !std::io::stderr().is_terminal() {
+        return ProgressBar::hidden();
+    }
+    let spinner = ProgressBar::new_spinner().with_message(text.to_owned());
+    spinner.enable_steady_tick(std::time::Duration::from_millis(100));
+    spinner
 }
 
 /// Says what was written.

@@ -6,7 +6,7 @@ use wisdom_grid::{Cell, Raster};
 use wisdom_terrain::{Layer, hillshade};
 
 use super::input::{Ground, Input};
-use super::output::{keep_inputs, known, spare, told};
+use super::output::{keep_inputs, known, spare, spinner, told};
 use crate::exit::InputError;
 use crate::figure::{Axes, ColourMap, Figure, Ink, Markers, Shape, Surface};
 
@@ -78,7 +78,9 @@ pub(super) fn draw_marked(
         let at = vec![(cell, String::new())];
         figure = figure.markers(Markers { name, shape: Shape::Star, ink: Ink::Vermilion, at });
     }
+    let busy = spinner("drawing");
     figure.save(path)?;
+    busy.finish_and_clear();
     told(path)
 }
 
@@ -146,7 +148,7 @@ pub(super) fn run(args: &FigureArgs) -> anyhow::Result<()> {
     let drape = match &args.drape {
         None => None,
         Some(drape) => {
-            let file = Ground::open(drape, None)?;
+            let file = Ground::open(drape, None, None)?;
             if file.reader.spec() != ground.reader.spec() {
                 let message = format!(
                     "--drape {}: it lies on another grid than the elevation; bring it there with `wisdom terrain \

@@ -69,6 +69,7 @@ pub(super) fn run(args: &SynthesizeArgs) -> anyhow::Result<()> {
         None => None,
         Some(radius_m) if radius_m.is_finite() && radius_m > 0.0 => Some(Crs {
             name: String::new(),
+            body: String::new(),
             radius_m: Some(radius_m),
             polar_radius_m: Some(radius_m),
             projection: Projection::Equirectangular {

@@ -5,7 +5,7 @@ use wisdom_grid::Raster;
 use wisdom_terrain::{FieldOfView, Layer, Method, Observer, viewshed_by};
 
 use super::input::{ColRow, Input};
-use super::output::{Kind, Output, Target, write};
+use super::output::{Kind, Output, Target, spinner, write};
 use super::picture::{Look, Mark, draw_marked};
 use crate::exit::InputError;
 use crate::figure::ColourMap;
@@ -85,7 +85,9 @@ pub(super) fn run(args: &ViewshedArgs) -> anyhow::Result<()> {
             format!("--observer {},{}: nothing is known of the ground there", at.col, at.row);
         return Err(InputError(message).into());
     }
+    let busy = spinner("looking around");
     let seen = viewshed_by(args.method, &elevation, &observer);
+    busy.finish_and_clear();
     let spec = elevation.spec();
     let sight = Raster::par_from_fn(spec, |cell| f32::from(u8::from(seen.is_visible(cell))));
     let in_sight =

@@ -50,6 +50,10 @@ impl Default for ManagerSpec {
     }
 }
 
+/// In the stead of a digest: the ground around the place was not all on the map when its goal ended. The first digest
+/// seen takes its place, and is no change.
+const GROUND_UNSEEN: u64 = 0;
+
 /// A place where a goal ended, kept so that the same maximum does not come back for ever.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Retired {
@@ -394,11 +398,15 @@ impl GoalManager {
     /// Opens places again whose ground changed after they were given up, unless a goal answers for them.
     fn reopen(&mut self, survey: &Survey<'_>) {
         for place in &mut self.state.retired {
+            let ground = (survey.ground)(place.target);
+            if place.ground == GROUND_UNSEEN {
+                place.ground = ground.unwrap_or(GROUND_UNSEEN);
+            }
             if place.closed
                 && place.is_given_up()
                 && !self.state.goals.contains_key(&place.goal)
                 && place.reopenings < self.spec.max_reopenings
-                && (survey.ground)(place.target).is_some_and(|ground| ground != place.ground)
+                && ground.is_some_and(|ground| ground != place.ground)
             {
                 place.closed = false;
             }
@@ -661,8 +669,7 @@ impl GoalManager {
             target,
             radius_m,
             reason,
-            // A place at the very edge of the map is judged by what comes into view there.
-            ground: (survey.ground)(target).unwrap_or_default(),
+            ground: (survey.ground)(target).unwrap_or(GROUND_UNSEEN),
             reopenings,
             closed: true,
         });

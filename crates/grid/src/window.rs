@@ -51,6 +51,21 @@ impl Window {
         }
     }
 
+    /// The cells that do not lie in the other: up to four windows that do not overlap, from north to south and west to
+    /// east.
+    #[must_use]
+    pub fn minus(self, other: Self) -> Vec<Self> {
+        let Some(cut) = self.intersection(other) else { return vec![self] };
+        let (south, east) = (cut.row + cut.rows, cut.col + cut.cols);
+        let parts = [
+            Window { rows: cut.row - self.row, ..self },
+            Window { row: cut.row, rows: cut.rows, cols: cut.col - self.col, ..self },
+            Window { col: east, cols: self.col + self.cols - east, ..cut },
+            Window { row: south, rows: self.row + self.rows - south, ..self },
+        ];
+        parts.into_iter().filter(|part| !part.is_empty()).collect()
+    }
+
     /// The cells that lie in both, if any.
     #[must_use]
     pub fn intersection(self, other: Self) -> Option<Self> {

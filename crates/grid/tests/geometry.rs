@@ -63,6 +63,20 @@ proptest! {
         prop_assert!(part.part(endless).is_err());
     }
 
+    /// What is left of a window covers each of its other cells once.
+    #[test]
+    fn a_window_minus_another_leaves_the_rest(
+        a in (0usize..9, 0usize..9, 1usize..9, 1usize..9),
+        b in (0usize..9, 0usize..9, 1usize..9, 1usize..9),
+    ) {
+        let window = |(row, col, rows, cols)| Window { row, col, rows, cols };
+        let (a, b) = (window(a), window(b));
+        let mut left: Vec<Cell> = a.minus(b).into_iter().flat_map(|part| part.cells()).collect();
+        left.sort_unstable();
+        let rest: Vec<Cell> = a.cells().filter(|cell| !b.contains(*cell)).collect();
+        prop_assert_eq!(left, rest);
+    }
+
     /// The window around a cell holds exactly the cells within the radius that are on the grid.
     #[test]
     fn around_is_a_clipped_square(row in 0usize..9, col in 0usize..9, radius in 0usize..6) {

@@ -186,12 +186,11 @@ pub fn run(
     watch: &mut dyn FnMut(&Progress<'_>) -> bool,
 ) -> Result<RunSummary, RunError> {
     let rover = Autonomy::new(mission.spec.clone())?;
-    let charted = rover.working_map();
     let start = mission.world.execution().start;
     let simulation = Simulation {
         mission,
         rover,
-        charted,
+        charted: Vec::new(),
         recorder,
         watch,
         pose: Pose { cell: start, heading_rad: mission.world.execution().heading_rad },
@@ -233,8 +232,8 @@ enum Drive {
 struct Simulation<'a> {
     mission: &'a Mission,
     rover: Autonomy,
-    /// The part of the ground whose view from before the first look the rover has.
-    charted: Window,
+    /// The parts of the ground whose view from before the first look the rover has.
+    charted: Vec<Window>,
     recorder: &'a mut dyn Recorder,
     watch: &'a mut dyn FnMut(&Progress<'_>) -> bool,
     pose: Pose,
@@ -252,8 +251,7 @@ struct Simulation<'a> {
 
 impl Simulation<'_> {
     fn run(mut self) -> Result<RunSummary, RunError> {
-        let prior = self.mission.world.prior(&self.mission.spec.layers, self.charted)?;
-        self.observe(prior)?;
+        self.chart()?;
         self.look()?;
         self.summary.status = loop {
             if self.summary.decisions == self.mission.world.execution().max_decisions {
@@ -345,12 +343,22 @@ impl Simulation<'_> {
     /// Hands over what was known of the ground beforehand where the working map has moved to.
     fn chart(&mut self) -> Result<(), RunError> {
         let working = self.rover.working_map();
-        if working == self.charted {
+        if self.charted.last() == Some(&working) {
             return Ok(());
         }
-        self.charted = working;
-        let prior = self.mission.world.prior(&self.mission.spec.layers, working)?;
-        if prior.is_empty() { Ok(()) } else { self.observe(prior) }
+        // What was handed over before is part of what the rover knows: a second time it would count as news, and
+        // stand against its own readings.
+        let mut fresh = vec![working];
+        for known in &self.charted {
+            fresh = fresh.into_iter().flat_map(|part| part.minus(*known)).collect();
+        }
+        let begins = self.charted.is_empty();
+        self.charted.push(working);
+        let mut prior = Vec::new();
+        for part in fresh {
+            prior.extend(self.mission.world.prior(&self.mission.spec.layers, part)?);
+        }
+        if prior.is_empty() && !begins { Ok(()) } else { self.observe(prior) }
     }
 
     /// A look with all instruments, unless the last one was from here.

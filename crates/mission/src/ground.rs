@@ -5,12 +5,12 @@ use std::fmt::Display;
 use std::sync::Arc;
 
 use wisdom_autonomy::{ELEVATION, MIN_WORKING_CELLS};
-use wisdom_grid::{Cell, GridSpec, Raster};
+use wisdom_grid::{GridSpec, Raster};
 use wisdom_terrain::format::{GridFile, MAX_CELLS, read_with};
 use wisdom_terrain::{Crs, Landscape, Layer, Resampling, SceneLayer, TerrainError, resample};
 
 use crate::MissionError;
-use crate::file::{Kind, LayerFile};
+use crate::file::{FirstLookU, Kind, LayerFile};
 use crate::mission::{Reader, shown, text_of};
 use crate::supply::Files;
 use crate::truth::{FileValues, LayerTruth, ReadingKind, SiteU, Values, site_u};
@@ -83,6 +83,24 @@ impl Reader<'_> {
                  when the rover looks"
             );
             return Err(self.error(&["rover", "look-every-m"], message));
+        }
+        let far_m = side as f64 * grid.spacing_m() / 2.0;
+        let far = |path: &[&str], range_m: f64| {
+            if range_m <= far_m {
+                return Ok(());
+            }
+            let message =
+                format!("{range_m}; expected at most {far_m}, half the working map's side");
+            Err(self.error(path, message))
+        };
+        for (i, instrument) in self.file.instrument.iter().enumerate() {
+            far(&["instrument", &i.to_string(), "range-m"], instrument.range_m)?;
+        }
+        far(&["execution", "hazard-camera-m"], self.file.execution.hazard_camera_m)?;
+        if self.file.prior.uncertainty.values().any(|how| matches!(how, FirstLookU::Sight(_))) {
+            let message =
+                "a first look by sight covers the whole ground, a working map a part of it";
+            return Err(self.error(&["prior", "uncertainty"], message));
         }
         Ok(Some(side))
     }
@@ -224,8 +242,10 @@ impl Reader<'_> {
         files: &mut Files<'_>,
         (key, fault): (&'static str, Fault<'_>),
     ) -> Result<Source, MissionError> {
-        if self.file.terrain.working_cells.is_some() {
-            let large = files.large_ground(path)?;
+        // Other formats than GeoTIFF are read whole anyway, and carried along with the files beside them.
+        if self.file.terrain.working_cells.is_some()
+            && let Some(large) = files.large_ground(path)?
+        {
             return Ok(match large.reader {
                 Some(reader) => {
                     Source::Large(FileValues { reader: Arc::new(reader), resampling: None })
@@ -249,13 +269,10 @@ impl Reader<'_> {
 /// The data's own uncertainty, of numbers from 0 to 1.
 fn own_u(path: &str, source: Source) -> Result<Option<SiteU>, String> {
     match source {
-        Source::Memory(file) => {
-            let off = |(cell, u): &(Cell, &f32)| file.known[*cell] && !(0.0..=1.0).contains(*u);
-            if let Some((cell, u)) = file.raster.iter().find(off) {
-                return Err(format!("{path}: {u} at {cell}; expected numbers from 0 to 1"));
-            }
-            Ok(Some(SiteU::Memory(site_u(&file))))
-        }
+        Source::Memory(file) => match site_u(&file) {
+            Ok(u) => Ok(Some(SiteU::Memory(u))),
+            Err((cell, u)) => Err(format!("{path}: {u} at {cell}; expected numbers from 0 to 1")),
+        },
         Source::Large(file) => Ok(Some(SiteU::File(file))),
         Source::Elsewhere(_) => Ok(None),
     }

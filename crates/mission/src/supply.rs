@@ -93,19 +93,23 @@ impl Files<'_> {
         self.bytes(&path).ok()
     }
 
-    /// A terrain file that stays where it is. What is remembered of it is its digest, and where it lies.
-    pub(crate) fn large_ground(&mut self, path: &str) -> Result<LargeGround, MissionError> {
+    /// A terrain file that stays where it is, if it is of a format that is read window by window. What is remembered of
+    /// it is its digest, and where it lies.
+    pub(crate) fn large_ground(&mut self, path: &str) -> Result<Option<LargeGround>, MissionError> {
         let error = |error: &dyn std::fmt::Display| MissionError::of_file(path, error);
         let carried = format!("{path}{REFERENCE}");
         let Some(place) = self.supply.place(path) else {
-            let bytes = self.bytes(&carried)?;
+            let Ok(bytes) = self.bytes(&carried) else { return Ok(None) };
             let text = String::from_utf8_lossy(&bytes);
             let reference: Reference =
                 toml::from_str(&text).map_err(|e| MissionError::of_toml(&carried, &text, &e))?;
             let grid = reference.grid().map_err(|e| MissionError::of_file(&carried, e))?;
-            return Ok(LargeGround { reader: None, grid });
+            return Ok(Some(LargeGround { reader: None, grid }));
         };
         let reader = GridReader::open(&place).map_err(|e| error(&e))?;
+        if !reader.reads_windows() {
+            return Ok(None);
+        }
         let grid = reader.spec();
         let reference = Reference {
             blake3: hex(&reader.digest().map_err(|e| error(&e))?),
@@ -118,7 +122,7 @@ impl Files<'_> {
         };
         let text = toml::to_string(&reference).map_err(|e| error(&e))?;
         self.taken.insert(carried, text.into_bytes());
-        Ok(LargeGround { reader: Some(reader), grid })
+        Ok(Some(LargeGround { reader: Some(reader), grid }))
     }
 }
 

@@ -109,7 +109,11 @@ impl LayerTruth {
             Some(SiteU::Memory(u)) => Ok(Some(Cow::Borrowed(u))),
             Some(SiteU::File(file)) => {
                 let part = self.grid.part(window)?;
-                let read = site_u(&file.read(part)?);
+                let read = site_u(&file.read(part)?).map_err(|(cell, u)| {
+                    let at =
+                        Cell { row: part.first().row + cell.row, col: part.first().col + cell.col };
+                    TerrainError::Uncertainty { cell: at, u }
+                })?;
                 Ok(Some(Cow::Owned(read.numbered_from(part.first()))))
             }
         }
@@ -147,10 +151,14 @@ impl LayerTruth {
     }
 }
 
-/// An uncertainty file as it is used: 1 where it has no value, and a share everywhere.
-pub(crate) fn site_u(file: &GridFile) -> Raster<f32> {
-    let of = |cell| if file.known[cell] { file.raster[cell].clamp(0.0, 1.0) } else { 1.0 };
-    Raster::from_fn(file.raster.spec(), of)
+/// An uncertainty file as it is used: 1 where it has no value. A number that is no share is told with its cell.
+pub(crate) fn site_u(file: &GridFile) -> Result<Raster<f32>, (Cell, f32)> {
+    let off = |(cell, u): &(Cell, &f32)| file.known[*cell] && !(0.0..=1.0).contains(*u);
+    if let Some((cell, &u)) = file.raster.iter().find(off) {
+        return Err((cell, u));
+    }
+    let of = |cell| if file.known[cell] { file.raster[cell] } else { 1.0 };
+    Ok(Raster::from_fn(file.raster.spec(), of))
 }
 
 /// The class most cells of a block have; of several, the one listed first; 0 where nothing is known.

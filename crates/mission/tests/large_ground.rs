@@ -8,7 +8,7 @@ use std::fmt::Write as _;
 
 use wisdom_autonomy::{Decision, ELEVATION, Maps, Observation, Outcome};
 use wisdom_goals::{Action, Reason};
-use wisdom_grid::Window;
+use wisdom_grid::{Cell, Window};
 use wisdom_mission::{Mission, RecordError, Recorder, RunSummary, run};
 use wisdom_terrain::unit_noise;
 
@@ -18,20 +18,33 @@ struct Story {
     decisions: Vec<Decision>,
     maps: Vec<Window>,
     priors: Vec<Window>,
+    looked_at: BTreeSet<Cell>,
 }
 
 impl Recorder for Story {
     fn observation(&mut self, observation: &Observation) -> Result<(), RecordError> {
-        let side = observation.windows.iter().map(|w| w.window.rows.max(w.window.cols)).max();
-        if side >= Some(40) {
-            self.priors.extend(observation.windows.first().map(|w| w.window));
+        // A view from orbit has one u; what an instrument reads has many.
+        for read in &observation.windows {
+            let from_orbit = read.uncertainty.iter().all(|u| *u == 0.6);
+            if read.layer == ELEVATION && from_orbit {
+                self.priors.push(read.window);
+            }
         }
         Ok(())
     }
 
     fn decision(&mut self, decision: &Decision, maps: &Maps) -> Result<(), RecordError> {
         self.decisions.push(decision.clone());
-        self.maps.push(maps.layers[ELEVATION].spec().window());
+        let elevation = &maps.layers[ELEVATION];
+        self.maps.push(elevation.spec().window());
+        // Ground that was looked at stays better known than from orbit.
+        for cell in elevation.spec().cells() {
+            if elevation.u(cell) == 0.6 {
+                assert!(!self.looked_at.contains(&cell), "{cell} at decision {}", decision.number);
+            } else {
+                self.looked_at.insert(cell);
+            }
+        }
         Ok(())
     }
 
@@ -88,6 +101,9 @@ fn the_working_map_moves_on_with_the_rover() {
     ];
     let mission = small::mission(&rocks(600), &changes).expect("sound");
     let (story, summary) = tell(&mission);
+    let latest = ("sigma = 0.1", "sigma = 0.1\nupdate = \"latest\"");
+    let mission = small::mission(&rocks(600), &[&changes[..], &[latest]].concat()).expect("sound");
+    assert!(tell(&mission).0.decisions.len() > 4, "what was seen last counts, orbit came first");
     let places: BTreeSet<Window> = story.maps.iter().copied().collect();
     assert!(places.len() > 1, "the rover went {:?}", summary.track.last());
     for (decision, map) in story.decisions.iter().zip(&story.maps) {
@@ -98,16 +114,19 @@ fn the_working_map_moves_on_with_the_rover() {
             assert!(map.contains(target) || verdict.action == Action::Achieve, "{verdict:?}");
         }
     }
-    // The view from orbit is handed over for every place the map moves to.
-    let seen: BTreeSet<Window> = story.priors.iter().copied().collect();
-    assert_eq!(seen, places);
+    // The view from orbit is handed over for every place the map moves to, and once for each cell.
+    let mut seen = BTreeSet::new();
+    for cell in story.priors.iter().flat_map(Window::cells) {
+        assert!(seen.insert(cell), "{cell} twice");
+    }
+    assert!(places.iter().flat_map(Window::cells).all(|cell| seen.contains(&cell)));
     // Goals that the map leaves behind are let go by name, and nothing else is.
     let left = |d: &Decision| {
         d.verdicts.iter().filter(|v| v.reason == Reason::OffMap).map(|v| v.goal.target).collect()
     };
     let behind: Vec<_> = story.decisions.iter().map(left).collect();
     for (targets, map) in behind.iter().zip(&story.maps) {
-        let targets: &Vec<wisdom_grid::Cell> = targets;
+        let targets: &Vec<Cell> = targets;
         assert!(targets.iter().all(|target| !map.contains(*target)));
     }
     assert!(behind.iter().any(|targets| !targets.is_empty()), "no goal was left behind");
@@ -130,4 +149,8 @@ fn a_working_map_has_a_least_and_a_largest_side_and_bounds_the_way_between_looks
     ];
     let error = small::mission(small::LEVEL, &changes).expect_err("refused");
     assert!(error.message.contains("8.5; expected at most 8"), "{error}");
+    let changes =
+        [("cols = 40", "cols = 40\nworking-cells = 64"), ("range-m = 15.0", "range-m = 32.5")];
+    let error = small::mission(small::LEVEL, &changes).expect_err("refused");
+    assert!(error.message.contains("32.5; expected at most 32"), "{error}");
 }

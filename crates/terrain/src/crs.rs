@@ -10,6 +10,8 @@ use std::fmt;
 pub struct Crs {
     /// A name for people, such as `Mars (2015) - Sphere / Ocentric / Equirectangular, clon = 0`; may be empty.
     pub name: String,
+    /// What geo keys call the body, its datum and its ellipsoid (`GCS Name = .. |Datum = .. |`); may be empty.
+    pub body: String,
     /// Semi-major axis of the body's ellipsoid, metres: the radius of a sphere.
     pub radius_m: Option<f64>,
     /// Semi-minor axis, metres; equal to the semi-major one on a sphere.
@@ -101,6 +103,7 @@ impl Crs {
     /// # use wisdom_terrain::{Crs, Projection};
     /// let mars = Crs {
     ///     name: String::new(),
+    ///     body: String::new(),
     ///     radius_m: Some(3_396_190.0),
     ///     polar_radius_m: Some(3_396_190.0),
     ///     projection: Projection::Equirectangular {
@@ -167,6 +170,7 @@ impl Crs {
                 .into_iter()
                 .find_map(|key| keys.text(key))
                 .unwrap_or_default(),
+            body: keys.text(GEOGRAPHIC_CITATION).unwrap_or_default(),
             radius_m,
             polar_radius_m: radius_m.and_then(|radius_m| polar_radius(keys, radius_m)),
             projection: match projection {
@@ -262,12 +266,11 @@ impl Crs {
         keys.short(RASTER_TYPE, PIXEL_IS_AREA);
         keys.text(CITATION, name);
         keys.short(GEOGRAPHIC_TYPE, USER_DEFINED);
-        keys.text(
-            GEOGRAPHIC_CITATION,
-            &format!(
-                "GCS Name = {body}|Datum = {body}|Ellipsoid = {body}|Primem = Reference Meridian|"
-            ),
+        let made = format!(
+            "GCS Name = {body}|Datum = {body}|Ellipsoid = {body}|Primem = Reference Meridian|"
         );
+        let told = format!("{}|", self.body);
+        keys.text(GEOGRAPHIC_CITATION, if self.body.is_empty() { &made } else { &told });
         keys.short(DATUM, USER_DEFINED);
         keys.short(ANGULAR_UNIT, DEGREE);
         keys.short(ELLIPSOID, USER_DEFINED);
@@ -665,6 +668,7 @@ mod tests {
     fn sphere(projection: Projection) -> Crs {
         Crs {
             name: "a place".to_owned(),
+            body: String::new(),
             radius_m: Some(3_396_190.0),
             polar_radius_m: Some(3_396_190.0),
             projection,

@@ -191,6 +191,53 @@ fn numbers_of_a_geotiff_neither_panic_nor_take_more_than_the_largest_image() {
     }
 }
 
+/// The little-endian directory of a classic TIFF: places of its entries.
+fn entries(file: &[u8]) -> Vec<usize> {
+    let start = u32::from_le_bytes(file[4..8].try_into().unwrap()) as usize;
+    let count = usize::from(u16::from_le_bytes(file[start..start + 2].try_into().unwrap()));
+    (0..count).map(|i| start + 2 + 12 * i).collect()
+}
+
+#[test]
+fn values_at_byte_nought_are_values_of_the_file_not_of_the_directory() {
+    let file = bytes("f32_strip_lzw_p3.tif");
+    for entry in entries(&file) {
+        let mut file = file.clone();
+        file[entry + 8..entry + 12].fill(0);
+        drop(format::read("nought.tif", &file));
+        // More values, all of them said to lie there.
+        file[entry + 4..entry + 8].copy_from_slice(&300u32.to_le_bytes());
+        drop(format::read("nought.tif", &file));
+    }
+}
+
+#[test]
+fn more_bands_or_longer_texts_than_any_image_has_are_refused() {
+    let file = bytes("u16_strip_none.tif");
+    let entry = |tag: u16| {
+        let all = entries(&file);
+        *all.iter().find(|&&at| file[at..at + 2] == tag.to_le_bytes()).expect("the tag is there")
+    };
+    // SamplesPerPixel
+    let mut many = file.clone();
+    let at = entry(277);
+    many[at + 8..at + 10].copy_from_slice(&u16::MAX.to_le_bytes());
+    let told = format::read("many.tif", &many).unwrap_err().to_string();
+    assert!(told.contains("65535 bands; at most 64"), "{told}");
+    // GDAL's nodata and metadata: texts appended to the file.
+    for (tag, length, words) in
+        [(42113_u16, 1000_usize, "1000 bytes; a number"), (42112, 2 << 20, "at most")]
+    {
+        let mut long = file.clone();
+        let (at, place) = (entry(tag), file.len() as u32);
+        long[at + 4..at + 8].copy_from_slice(&(length as u32).to_le_bytes());
+        long[at + 8..at + 12].copy_from_slice(&place.to_le_bytes());
+        long.resize(file.len() + length, b'7');
+        let told = format::read("long.tif", &long).unwrap_err().to_string();
+        assert!(told.contains(words), "{told}");
+    }
+}
+
 #[test]
 fn labels_without_end_are_refused() {
     let keys = |head: &str, line: &str, times: usize| {

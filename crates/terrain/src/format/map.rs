@@ -56,7 +56,13 @@ impl Map<'_> {
             _ => Projection::Local,
         };
         let name = [self.target, self.projection].map(str::trim);
-        Crs { name: name.join(" ").trim().to_owned(), radius_m, polar_radius_m, projection }
+        Crs {
+            name: name.join(" ").trim().to_owned(),
+            body: String::new(),
+            radius_m,
+            polar_radius_m,
+            projection,
+        }
     }
 
     fn polar(&self, centre_lon_deg: f64) -> Projection {

@@ -99,6 +99,12 @@ impl GridReader {
         Ok(Self { name, length, content })
     }
 
+    /// Whether windows are decoded as they are asked for; otherwise the file lies in memory.
+    #[must_use]
+    pub fn reads_windows(&self) -> bool {
+        matches!(self.content, Content::Tiff { .. })
+    }
+
     /// Where the whole file's grid lies.
     #[must_use]
     pub fn spec(&self) -> GridSpec {

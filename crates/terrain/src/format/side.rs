@@ -81,6 +81,7 @@ impl Side {
         let radius_m = self.body_radius_m?;
         Some(Crs {
             name: String::new(),
+            body: String::new(),
             radius_m: Some(radius_m),
             polar_radius_m: None,
             projection: Projection::Local,

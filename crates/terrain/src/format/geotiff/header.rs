@@ -65,6 +65,14 @@ fn size_of_kind(kind: u16) -> Option<u64> {
     }
 }
 
+/// Where the values of a tag lie.
+enum Extent {
+    /// In the directory itself, so many bytes.
+    Inline(usize),
+    /// Elsewhere in the file.
+    InFile { place: u64, bytes: u64 },
+}
+
 impl<'a> Header<'a> {
     /// Reads the directory of a file of `length` bytes.
     pub(super) fn read(
@@ -99,14 +107,14 @@ impl<'a> Header<'a> {
             let (head, field) = entry.split_at(if big_tiff { 12 } else { 8 });
             let mut padded = [0; 8];
             padded[..field.len()].copy_from_slice(field);
-            header.entries.insert(
-                number(big_endian, &head[..2]) as u16,
-                Entry {
-                    kind: number(big_endian, &head[2..4]) as u16,
-                    count: number(big_endian, &head[4..]),
-                    field: padded,
-                },
-            );
+            let kind = number(big_endian, &head[2..4]) as u16;
+            // The decoder passes over types it does not know, too: both must see the same tags.
+            if size_of_kind(kind).is_none() {
+                continue;
+            }
+            let count = number(big_endian, &head[4..]);
+            let tag = number(big_endian, &head[..2]) as u16;
+            header.entries.insert(tag, Entry { kind, count, field: padded });
         }
         for tag in READ_ON_OPENING {
             header.extent(tag)?;
@@ -114,18 +122,18 @@ impl<'a> Header<'a> {
         Ok(header)
     }
 
-    /// Where a tag's values lie in the file, and how many bytes they have; place 0 for those in the directory itself.
-    fn extent(&self, tag: u16) -> Result<Option<(u64, u64)>, TerrainError> {
+    /// Where a tag's values lie, and how many bytes they have.
+    fn extent(&self, tag: u16) -> Result<Option<Extent>, TerrainError> {
         let Some(entry) = self.entries.get(&tag) else { return Ok(None) };
         let Some(size) = size_of_kind(entry.kind) else { return Ok(None) };
         let inline = if self.big_tiff { 8 } else { 4 };
         let bytes = entry.count.checked_mul(size);
         if let Some(bytes) = bytes.filter(|&bytes| bytes <= inline) {
-            return Ok(Some((0, bytes)));
+            return Ok(Some(Extent::Inline(bytes as usize)));
         }
         let place = number(self.big_endian, &entry.field[..inline as usize]);
         match bytes.filter(|&n| place.checked_add(n).is_some_and(|end| end <= self.length)) {
-            Some(bytes) => Ok(Some((place, bytes))),
+            Some(bytes) => Ok(Some(Extent::InFile { place, bytes })),
             None => Err(damaged(
                 self.name,
                 format!(
@@ -142,12 +150,15 @@ impl<'a> Header<'a> {
         from: &mut (impl Read + Seek),
         tag: u16,
     ) -> Result<Option<(u16, Vec<u8>)>, TerrainError> {
-        let Some((place, bytes)) = self.extent(tag)? else { return Ok(None) };
+        let Some(extent) = self.extent(tag)? else { return Ok(None) };
         let Entry { kind, field, .. } = self.entries[&tag];
-        if place == 0 {
-            return Ok(Some((kind, field[..bytes as usize].to_vec())));
-        }
-        bytes_at(self.name, from, self.length, place, bytes).map(|raw| Some((kind, raw)))
+        let raw = match extent {
+            Extent::Inline(bytes) => field[..bytes].to_vec(),
+            Extent::InFile { place, bytes } => {
+                bytes_at(self.name, from, self.length, place, bytes)?
+            }
+        };
+        Ok(Some((kind, raw)))
     }
 
     /// A tag of whole numbers; empty if the file has none of them.

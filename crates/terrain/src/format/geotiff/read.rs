@@ -23,6 +23,13 @@ const MAX_CHUNK_SAMPLES: u64 = MAX_CELLS as u64;
 /// The most samples (cells times bands) of one reading: four full grids, as a colour image with its mask has them.
 const MAX_SAMPLES: usize = 4 * MAX_CELLS;
 
+/// The most bands of a file: images of the Earth have a dozen, hostile files 65 535.
+const MAX_BANDS: u64 = 64;
+/// The longest text that may stand for "no data".
+const MAX_NODATA_BYTES: usize = 64;
+/// The longest metadata, which are searched once a band.
+const MAX_METADATA_BYTES: usize = 1 << 20;
+
 /// What the header of a GeoTIFF says, checked.
 pub(crate) struct Facts {
     pub(crate) name: String,
@@ -31,6 +38,8 @@ pub(crate) struct Facts {
     /// One a band.
     pub(crate) about: Vec<About>,
     nodata: Option<f64>,
+    /// Whether samples are floats.
+    is_float: bool,
     chunks: Chunks,
 }
 
@@ -99,10 +108,28 @@ impl<R: Read + Seek> Image<R> {
         check_size(rows, cols)?;
         let (spec, crs) = place(name, &header, &mut from, rows, cols)?;
         let samples = header.whole_number(&mut from, tag::SAMPLES_PER_PIXEL)?.unwrap_or(1);
+        if samples > MAX_BANDS {
+            return Err(damaged(
+                name,
+                format!("it has {samples} bands; at most {MAX_BANDS} are read"),
+            ));
+        }
         check_layout(name, &header, &mut from, samples)?;
         let (chunks, byte_counts) = chunks(name, &header, &mut from, spec, samples, length)?;
         let nodata_text = header.text(&mut from, tag::GDAL_NODATA)?.trim().to_owned();
+        if nodata_text.len() > MAX_NODATA_BYTES {
+            let found = nodata_text.len();
+            let reason = format!("its nodata text has {found} bytes; a number is wanted");
+            return Err(damaged(name, reason));
+        }
         let metadata = header.text(&mut from, tag::GDAL_METADATA)?;
+        if metadata.len() > MAX_METADATA_BYTES {
+            let found = metadata.len();
+            let reason =
+                format!("its metadata has {found} bytes; at most {MAX_METADATA_BYTES} are read");
+            return Err(damaged(name, reason));
+        }
+        let is_float = header.whole_number(&mut from, tag::SAMPLE_FORMAT)? == Some(3);
         let predictor = header.whole_number(&mut from, tag::PREDICTOR)?.unwrap_or(1);
         let storage = storage(&header, &mut from, spec, chunks)?;
         let fail = |error: tiff::TiffError| damaged(name, error.to_string());
@@ -146,6 +173,7 @@ impl<R: Read + Seek> Image<R> {
             crs,
             about: about.collect(),
             nodata: nodata_text.parse().ok(),
+            is_float,
             chunks,
         };
         Ok((facts, Self { decoder, byte_counts }))
@@ -243,10 +271,9 @@ impl Facts {
 
     /// What a stored sample stands for; as f64 it is exact for all but 64-bit integers beyond 2⁵³.
     fn value(&self, sample: f64, scale: f64, offset: f64) -> Option<f32> {
-        // As f32 too: a nodata text may have fewer digits than the stored float.
-        let missing =
-            self.nodata.is_some_and(|none| sample == none || sample as f32 == none as f32)
-                || is_special(sample as f32);
+        // Floats as f32 too: a nodata text may have fewer digits than what is stored.
+        let alike = |none: f64| sample == none || self.is_float && sample as f32 == none as f32;
+        let missing = self.nodata.is_some_and(alike) || is_special(sample as f32);
         // Unscaled samples stay what they are, a negative zero too.
         let is_plain = scale == 1.0 && offset == 0.0;
         let value = if is_plain { sample } else { sample * scale + offset } as f32;

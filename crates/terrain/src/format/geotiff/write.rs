@@ -1,6 +1,6 @@
 //! Writing: tiled GeoTIFF, deflate with a predictor, row of tiles by row of tiles.
 
-use std::fs::{self, File, OpenOptions};
+use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, BufWriter, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
@@ -560,19 +560,22 @@ struct Part {
 }
 
 impl Part {
-    /// A new file in the folder of `path`, of a name that no other has.
+    /// `NAME.part` beside `NAME`. One that a killed program left is taken over, one that is being written is not.
     fn beside(path: &Path) -> io::Result<(Self, File)> {
-        let name = path.file_name().ok_or(io::ErrorKind::InvalidInput)?.to_string_lossy();
-        for attempt in 0..1000 {
-            let part =
-                path.with_file_name(format!(".{name}.{}.{attempt}.part", std::process::id()));
-            match OpenOptions::new().write(true).create_new(true).open(&part) {
-                Ok(file) => return Ok((Self { path: part }, file)),
-                Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
-                Err(error) => return Err(error),
+        let mut name = path.file_name().ok_or(io::ErrorKind::InvalidInput)?.to_owned();
+        name.push(".part");
+        let part = path.with_file_name(name);
+        let file = OpenOptions::new().write(true).create(true).truncate(false).open(&part)?;
+        match file.try_lock() {
+            Err(TryLockError::WouldBlock) => {
+                let reason = format!("{} is being written by another program", part.display());
+                return Err(io::Error::new(io::ErrorKind::WouldBlock, reason));
             }
+            // A file system without locks: nothing to be known, nothing in the way.
+            Ok(()) | Err(TryLockError::Error(_)) => {}
         }
-        Err(io::ErrorKind::AlreadyExists.into())
+        file.set_len(0)?;
+        Ok((Self { path: part }, file))
     }
 
     fn rename(self, path: &Path) -> io::Result<()> {
