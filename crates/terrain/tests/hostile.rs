@@ -193,8 +193,9 @@ fn numbers_of_a_geotiff_neither_panic_nor_take_more_than_the_largest_image() {
 
 /// The little-endian directory of a classic TIFF: places of its entries.
 fn entries(file: &[u8]) -> Vec<usize> {
-    let start = u32::from_le_bytes(file[4..8].try_into().unwrap()) as usize;
-    let count = usize::from(u16::from_le_bytes(file[start..start + 2].try_into().unwrap()));
+    let start = u32::from_le_bytes(file[4..8].try_into().expect("four bytes")) as usize;
+    let count =
+        usize::from(u16::from_le_bytes(file[start..start + 2].try_into().expect("two bytes")));
     (0..count).map(|i| start + 2 + 12 * i).collect()
 }
 
