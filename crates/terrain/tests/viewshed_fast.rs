@@ -178,6 +178,38 @@ fn unknown_ground_neither_blocks_nor_is_seen() {
     assert_eq!(viewshed_fast(&layer, &Observer::all_round(centre, 2.0)).cells().count(), 0);
 }
 
+/// Other numbers of the cells change nothing but the names of what is seen, also where strips and words end.
+#[test]
+fn renumbered_ground_gives_the_renumbered_viewshed() {
+    let ground = random_ground(333, 281, 6, 0.05);
+    let (d_row, d_col) = (7000, 51);
+    let renumbered = ground.clone().numbered_from(Cell::new(d_row, d_col));
+    for centre in [Cell::new(100, 40), Cell::new(332, 280), Cell::new(0, 129)] {
+        let observer = Observer { range_m: Some(270.0), ..Observer::all_round(centre, 8.0) };
+        let there = Cell::new(centre.row + d_row, centre.col + d_col);
+        let plain = viewshed_fast(&ground, &observer);
+        let shed = viewshed_fast(&renumbered, &Observer { cell: there, ..observer });
+        assert!(plain.cells().count() > 100);
+        let moved = plain.cells().map(|cell| Cell::new(cell.row + d_row, cell.col + d_col));
+        assert!(moved.eq(shed.cells()), "from {centre}");
+    }
+}
+
+/// Ground at height 0 is as known as any other: only u tells it from a hole.
+#[test]
+fn ground_at_height_zero_is_no_hole() {
+    let spec = GridSpec::new(260, 260, 1.0).unwrap();
+    let mut layer = Layer::certain(Raster::filled(spec, -1.0)).unwrap();
+    let centre = Cell::new(130, 130);
+    for cell in spec.cells().filter(|&cell| noise(9, cell) < 0.2) {
+        layer.set(cell, 0.0, if noise(10, cell) < 0.5 { 1.0 } else { 0.5 });
+    }
+    // From so high a step of one metre hides nothing beside it.
+    layer.set(centre, -1.0, 0.0);
+    let shed = viewshed_fast(&layer, &Observer::all_round(centre, 500.0));
+    assert!(spec.cells().all(|cell| shed.is_visible(cell) == layer.is_known(cell)));
+}
+
 /// At distance d the ground of a body of radius R lies d²/2R lower, whichever the method.
 #[test]
 fn curvature_hides_the_far_ground() {
