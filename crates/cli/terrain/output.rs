@@ -164,7 +164,7 @@ pub(super) fn derive(
     derive_with(ground, None, path, kind, reach, make)
 }
 
-/// As [`derive`], with the uncertainty of the heights from another file on the same grid.
+/// As [`derive()`], with the uncertainty of the heights from another file on the same grid.
 pub(super) fn derive_with(
     ground: &Ground,
     uncertainty: Option<&Ground>,
