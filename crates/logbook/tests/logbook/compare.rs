@@ -15,7 +15,7 @@ type Change = (fn(&mut Decision), &'static str, &'static str);
 #[test]
 fn the_first_difference_names_its_stage_and_field() {
     let changes: [Change; 12] = [
-        (|d| d.decision_version = 2, "record", "decision_version"),
+        (|d| d.decision_version += 1, "record", "decision_version"),
         (|d| d.triggers[1].goal = None, "trigger", "triggers[1].goal"),
         (|d| manager(d).retired[0].closed = false, "state", "state.manager.retired[0].closed"),
         (|d| d.frame.as_mut().unwrap().digest.push('0'), "frame", "frame.digest"),
