@@ -668,7 +668,7 @@ mod tests {
     fn sphere(projection: Projection) -> Crs {
         Crs {
             name: "a place".to_owned(),
-            body: String::new(),
+            body: "GCS Name = a body|Datum = a body|Ellipsoid = a body".to_owned(),
             radius_m: Some(3_396_190.0),
             polar_radius_m: Some(3_396_190.0),
             projection,
