@@ -61,8 +61,13 @@ impl ShadeRow<'_> {
         for col in 0..=last {
             let beside = [col.saturating_sub(1), col, (col + 1).min(last)];
             let middle = self.rows[1][col];
+            // A hole itself is level: there is no height to compare its neighbours with.
+            let in_hole = u[1][col] >= 1.0;
             let near: [[f32; 3]; 3] = std::array::from_fn(|row| {
-                beside.map(|col| if u[row][col] < 1.0 { self.rows[row][col] } else { middle })
+                let height = |col: usize| {
+                    if in_hole || u[row][col] >= 1.0 { middle } else { self.rows[row][col] }
+                };
+                beside.map(height)
             });
             let rows = near.each_ref().map(<[f32; 3]>::as_slice);
             self.shade[col] = brightness(Single, self.light, rows, [0, 1, 2]);
