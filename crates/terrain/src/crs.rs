@@ -188,7 +188,7 @@ impl Crs {
     /// # use wisdom_terrain::{Crs, Projection};
     /// let mars = Crs {
     ///     name: "Mars, equirectangular".to_owned(),
-    ///     body: String::new(),
+    ///     body: "GCS Name = Mars".to_owned(),
     ///     radius_m: Some(3_396_190.0),
     ///     polar_radius_m: Some(3_396_190.0),
     ///     projection: Projection::Equirectangular {
