@@ -57,13 +57,22 @@ impl Ruler {
     }
 }
 
-/// True interest of at least a window, of which the cells at its edges may lack neighbours.
+/// That window of a layer and no more: of layers in memory, [`World::truth_near`] gives all there is.
+fn cut(layer: Cow<'_, Layer>, window: Window) -> Result<Cow<'_, Layer>, TerrainError> {
+    if layer.spec().window() == window {
+        return Ok(layer);
+    }
+    let first = Cell { row: window.row, col: window.col };
+    Ok(Cow::Owned(layer.crop(window)?.numbered_from(first)))
+}
+
+/// True interest of a window, of which the cells at its edges may lack neighbours.
 fn measured(spec: &Spec, world: &World, window: Window) -> Result<Raster<f32>, TerrainError> {
     let mut layers: BTreeMap<String, Layer> = BTreeMap::new();
-    let elevation = world.truth_near(ELEVATION, window)?;
+    let elevation = cut(world.truth_near(ELEVATION, window)?, window)?;
     for layer in &spec.layers {
         let values = match layer.source {
-            Source::Measured(_) => world.truth_near(&layer.name, window)?,
+            Source::Measured(_) => cut(world.truth_near(&layer.name, window)?, window)?,
             Source::Derived(derivation) => {
                 Cow::Owned(derivation.of(&elevation, spec.vehicle.footprint_radius_m))
             }

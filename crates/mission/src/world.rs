@@ -155,10 +155,7 @@ impl World {
     /// What the step from a cell to a neighbour truly costs; none if it cannot be taken ([`Traversability::edge`]).
     ///
     /// # Errors
-    /// [`TerrainError`] if the ground there cannot be read.
-    ///
-    /// # Panics
-    /// Never for a mission that was loaded: loading checks the vehicle.
+    /// [`TerrainError`] if the ground there cannot be read or judged.
     pub fn edge(&self, from: Cell, to: Cell) -> Result<Option<CostVector>, TerrainError> {
         if let Some(ground) = &self.ground {
             return Ok(ground.edge(from, to));
@@ -166,8 +163,10 @@ impl World {
         // The cells beside the step are judged too, each by what lies under the rover there.
         let near = self.grid.around(from, 2 + self.footprint_cells());
         let elevation = self.truth[ELEVATION].window(near)?;
-        let ground = Traversability::new(&self.vehicle, &elevation)
-            .expect("the vehicle was checked when the mission was loaded");
+        let ground = Traversability::new(&self.vehicle, &elevation).map_err(|error| {
+            // Heights that no vehicle's limits can be held against, for instance.
+            TerrainError::File { name: format!("the ground at {from}"), reason: error.to_string() }
+        })?;
         Ok(ground.edge(from, to))
     }
 

@@ -134,6 +134,30 @@ fn the_working_map_moves_on_with_the_rover() {
 }
 
 #[test]
+fn layers_in_memory_and_layers_read_piecewise_go_together() {
+    let landscape = rocks(40);
+    let mut files = small::files(&landscape);
+    let mut text = "ncols 40\nnrows 40\nxllcorner 0\nyllcorner 0\ncellsize 1\n".to_owned();
+    for _ in 0..40 {
+        writeln!(text, "{}", ["3"; 40].join(" ")).expect("a string takes text");
+    }
+    files.insert("heat.asc".to_owned(), text.into_bytes());
+    let file = files.get_mut(wisdom_mission::MISSION_FILE).expect("it has its file");
+    let text = String::from_utf8(file.clone()).expect("it is text");
+    *file = text
+        .replace("cols = 40", "cols = 40\nworking-cells = 64")
+        .replace("sigma = 1.0", "sigma = 1.0\nfile = \"heat.asc\"")
+        .into_bytes();
+    let mixed = Mission::from_files(&files).expect("sound");
+    assert!(mixed.world.truth("temperature").is_some() && mixed.world.truth(ELEVATION).is_none());
+    // The file holds what the landscape draws, so everything goes as if all were drawn.
+    let drawn = [("cols = 40", "cols = 40\nworking-cells = 64")];
+    let drawn = tell(&small::mission(&landscape, &drawn).expect("sound")).1;
+    assert!(!drawn.achieved.is_empty());
+    assert_eq!(tell(&mixed).1, drawn);
+}
+
+#[test]
 fn a_working_map_has_a_least_and_a_largest_side_and_bounds_the_way_between_looks() {
     for (cells, words) in [
         ("working-cells = 63", "63; expected 64 to 4096"),
