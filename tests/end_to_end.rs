@@ -312,7 +312,7 @@ fn a_changed_reading_under_a_chosen_goal_is_found_at_its_decision() {
                     }
                 }
             }
-            Entry::Outcome(_) => {}
+            Entry::Outcome(_) | Entry::Fault(_) => {}
         }
     }
     let (number, decision, cell) = wanted.expect("the rover looked at a goal on its way");
@@ -404,4 +404,30 @@ fn a_table_mass_changed_by_a_millionth_is_found_at_the_masses() {
     );
     std::fs::write(&path, same).expect("a copy");
     assert_eq!(verdict_of(&path).0, Some(0));
+}
+
+#[test]
+fn a_fault_is_in_the_log_and_the_story_and_the_log_is_verified_without_it() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let log = folder.path().join("run.mcap");
+    let fault = "fault=[{ name = \"sticky hub\", kind = \"wheel-drag\", factor = 1.5, \
+                 probability = 1.0, between-s = [500.0, 600.0], lasts-s = 3000.0 }]";
+    let summary = short_run(&log, &["--set", fault], "2");
+    assert_eq!(summary["faults"][0]["name"], "sticky hub");
+    let path = log.to_str().expect("UTF-8");
+    let told = done(&wisdom(&["replay", path]).output().expect("replay"));
+    assert!(told.contains("fault `sticky hub` (wheel-drag: x 1.5) strikes at 5"), "{told}");
+    let verified = json(&wisdom(&["verify", path, "--json"]).output().expect("verify"));
+    assert_eq!(verified["identical"], true, "the rover never knew");
+    let read = LogReader::open(&log).expect("a log");
+    let faults: Vec<&record::Fault> = read
+        .entries
+        .iter()
+        .filter_map(|entry| match entry {
+            Entry::Fault(fault) => Some(fault),
+            _ => None,
+        })
+        .collect();
+    assert_eq!(faults.len(), 1);
+    assert_eq!(faults[0].until_s, Some(faults[0].time_s + 3000.0));
 }

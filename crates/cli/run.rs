@@ -13,7 +13,7 @@ use serde_json::{Value, json};
 use wisdom_autonomy::{Decision, Maps, Observation, Outcome};
 use wisdom_goals::{Action, Cause, GoalId, Reason};
 use wisdom_logbook::LogWriter;
-use wisdom_mission::{Mission, Override, Progress, RecordError, Recorder, RunSummary};
+use wisdom_mission::{FaultEvent, Mission, Override, Progress, RecordError, Recorder, RunSummary};
 
 use crate::exit::InputError;
 use crate::mission_args::{MissionArgs, quoted};
@@ -85,6 +85,10 @@ impl Recorder for Logged<'_> {
         Recorder::outcome(self.log, outcome)?;
         self.told = now();
         Ok(())
+    }
+
+    fn fault(&mut self, event: &FaultEvent) -> Result<(), RecordError> {
+        Recorder::fault(self.log, event)
     }
 }
 
@@ -240,6 +244,10 @@ fn as_json(
         "observations": summary.observations,
         "deciding_s": { "median": deciding.median_s, "max": deciding.max_s },
         "legs": legs(summary),
+        "faults": summary.faults.iter().map(|f| json!({
+            "name": f.name, "kind": f.kind.name(), "time_s": f.time_s,
+            "until_s": f.until_s.is_finite().then_some(f.until_s),
+        })).collect::<Vec<_>>(),
         "log": path.display().to_string(),
     })
 }
@@ -352,6 +360,9 @@ fn write_summary(
         "deciding        {:.2} s in the median, {:.2} s at most",
         deciding.median_s, deciding.max_s
     )?;
+    for fault in &summary.faults {
+        writeln!(out, "broke           {fault}")?;
+    }
     writeln!(out, "ended           {}", summary.status)?;
     writeln!(out, "log             {}", path.display())
 }

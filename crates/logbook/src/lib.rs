@@ -26,6 +26,8 @@ pub mod topic {
     pub const OBSERVATION: &str = "/in/observation";
     /// What came of a step: [`crate::record::Outcome`].
     pub const OUTCOME: &str = "/in/outcome";
+    /// What broke in the simulated world: [`crate::record::Fault`].
+    pub const FAULT: &str = "/truth/fault";
     /// What was decided: [`crate::record::Decision`].
     pub const DECISION: &str = "/decision";
     /// The interest map of a decision: `foxglove.Grid`. Every other plane is `/map/` and its name.

@@ -36,6 +36,8 @@ pub enum Entry {
     Decision(Box<record::Decision>),
     /// What came of it.
     Outcome(record::Outcome),
+    /// What broke in the world meanwhile, of which the core knows nothing.
+    Fault(record::Fault),
 }
 
 /// A file that the log carries.
@@ -188,7 +190,7 @@ impl LogReader {
     pub fn decisions(&self) -> impl Iterator<Item = &record::Decision> {
         self.entries.iter().filter_map(|entry| match entry {
             Entry::Decision(decision) => Some(&**decision),
-            Entry::Observation(_) | Entry::Outcome(_) => None,
+            Entry::Observation(_) | Entry::Outcome(_) | Entry::Fault(_) => None,
         })
     }
 
@@ -277,6 +279,7 @@ fn is_known(topic: &str) -> bool {
         || [
             topic::OBSERVATION,
             topic::OUTCOME,
+            topic::FAULT,
             topic::DECISION,
             topic::SCENE,
             topic::POSE,
@@ -456,6 +459,7 @@ impl Scan {
                 }
                 Entry::Outcome(outcome)
             }
+            topic::FAULT => Entry::Fault(record::Fault::decode(data).map_err(failed)?),
             topic::DECISION => {
                 let decision = record::Decision::decode(data).map_err(failed)?;
                 self.link(&decision)?;

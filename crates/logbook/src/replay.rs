@@ -6,7 +6,7 @@ use std::path::Path;
 use wisdom_autonomy::{Autonomy, AutonomyError, Decision, Maps, Observation, Outcome};
 use wisdom_goals::{Action, CausalGraph, GoalId};
 use wisdom_grid::Cell;
-use wisdom_mission::{Mission, MissionError, RecordError, Recorder};
+use wisdom_mission::{FaultEvent, Mission, MissionError, RecordError, Recorder};
 
 use crate::compare::{Difference, first_difference};
 use crate::record::{self, CHAIN_START, hex};
@@ -94,6 +94,17 @@ impl Recorder for LogWriter {
     fn outcome(&mut self, outcome: &Outcome) -> Result<(), RecordError> {
         Self::outcome(self, outcome).map_err(|e| RecordError(e.to_string()))
     }
+
+    fn fault(&mut self, event: &FaultEvent) -> Result<(), RecordError> {
+        let record = record::Fault {
+            name: event.name.clone(),
+            kind: event.kind.name().to_owned(),
+            time_s: event.time_s,
+            until_s: event.until_s.is_finite().then_some(event.until_s),
+            text: event.to_string(),
+        };
+        Self::fault(self, &record).map_err(|e| RecordError(e.to_string()))
+    }
 }
 
 /// The mission inside a log.
@@ -179,6 +190,7 @@ pub fn verify(path: &Path, progress: &mut dyn FnMut(u32)) -> Result<Verification
                     return Ok(found);
                 }
             }
+            Entry::Fault(_) => {}
             Entry::Outcome(logged) => {
                 let outcome = Outcome::try_from(logged)?;
                 if let Err(error) = rover.report(&outcome) {
@@ -251,6 +263,7 @@ pub fn derive_at(log: &LogReader, number: u32) -> Result<Option<Past>, ReplayErr
     for entry in &log.entries {
         match entry {
             Entry::Observation(logged) => rover.observe(&Observation::try_from(logged)?)?,
+            Entry::Fault(_) => {}
             Entry::Outcome(logged) => rover.report(&Outcome::try_from(logged)?)?,
             Entry::Decision(logged) => {
                 let decision = rover.decide()?;

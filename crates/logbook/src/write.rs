@@ -200,6 +200,16 @@ impl<S: Store> LogWriter<S> {
         self.pose(outcome.decision, outcome.pose)
     }
 
+    /// Logs something that broke in the world, at its own time or, if the log is past that, now.
+    ///
+    /// # Errors
+    /// [`LogError::Io`] if it cannot be written.
+    pub fn fault(&mut self, fault: &record::Fault) -> Result<(), LogError> {
+        let spent = Spent { time_s: fault.time_s, ..Spent::default() };
+        self.record(topic::FAULT, self.decisions, spent, fault)?;
+        self.message(Level::Warning, &fault.text)
+    }
+
     /// Logs a decision with its maps and makes it, and everything before it, safe on disk.
     ///
     /// # Errors

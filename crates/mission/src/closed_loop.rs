@@ -10,7 +10,8 @@ use wisdom_grid::{Cell, Window};
 use wisdom_planner::Route;
 use wisdom_terrain::TerrainError;
 
-use crate::{Mission, RecordError, Recorder, Ruler};
+use crate::fault::Faults;
+use crate::{FaultEvent, Mission, RecordError, Recorder, Ruler};
 
 /// Why a run ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -87,6 +88,8 @@ pub struct RunSummary {
     pub neg_ln_r: f64,
     /// Every cell the rover stood on, in order.
     pub track: Vec<Cell>,
+    /// The faults that struck, in order.
+    pub faults: Vec<FaultEvent>,
 }
 
 impl RunSummary {
@@ -211,7 +214,9 @@ pub fn run(
             legs: Vec::new(),
             neg_ln_r: 0.0,
             track: vec![start],
+            faults: Vec::new(),
         },
+        faults: mission.world.faults(),
         ruler: Ruler::new(mission),
     };
     simulation.run()
@@ -245,6 +250,8 @@ struct Simulation<'a> {
     /// How often each cell was entered.
     entries: BTreeMap<Cell, u32>,
     going_on: bool,
+    /// What has broken; the core never hears of it.
+    faults: Faults,
     summary: RunSummary,
     ruler: Ruler,
 }
@@ -271,6 +278,7 @@ impl Simulation<'_> {
                 }
                 _ => break RunStatus::Waiting,
             };
+            self.strike()?;
             self.recorder.outcome(&outcome)?;
             self.rover.report(&outcome)?;
             self.chart()?;
@@ -285,6 +293,7 @@ impl Simulation<'_> {
         };
         self.summary.spent = self.spent;
         self.summary.observations = self.observations;
+        self.summary.faults = self.faults.into_struck();
         Ok(self.summary)
     }
 
@@ -366,11 +375,21 @@ impl Simulation<'_> {
         if self.last_look == Some(self.pose.cell) || self.mission.world.instruments().is_empty() {
             return Ok(());
         }
-        let windows = self.mission.world.look(self.pose, self.looks)?;
+        self.strike()?;
+        let (faults, now_s) = (&self.faults, self.spent.time_s);
+        let windows = self.mission.world.look_despite(faults, now_s, self.pose, self.looks)?;
         self.looks += 1;
         self.last_look = Some(self.pose.cell);
         self.observe(windows)?;
         self.watch(None);
+        Ok(())
+    }
+
+    /// Lets the faults strike that are due.
+    fn strike(&mut self) -> Result<(), RunError> {
+        while let Some(event) = self.faults.strike(self.spent.time_s) {
+            self.recorder.fault(&event)?;
+        }
         Ok(())
     }
 
@@ -497,14 +516,16 @@ impl Simulation<'_> {
         let mut since_look_m = 0.0;
         for pair in route.cells.windows(2) {
             let (from, to) = (pair[0], pair[1]);
+            self.strike()?;
             let Some(cost) = world.edge(from, to)? else {
                 // The reactive layer: ground the map took for passable is not.
+                self.spent.time_s += self.faults.delay_s(self.spent.time_s);
                 self.observe(world.close_look(from)?)?;
                 return Ok(Drive::Blocked);
             };
             let entry = self.entries.entry(to).and_modify(|n| *n += 1).or_insert(1);
             let entry = *entry;
-            let factor = world.slip_factor(to, entry);
+            let factor = world.slip_factor(to, entry) * self.faults.drag(self.spent.time_s);
             self.spent.time_s += cost.time_s * factor;
             self.spent.energy_j += cost.energy_j * factor;
             self.spent.length_m += cost.length_m;
@@ -514,6 +535,7 @@ impl Simulation<'_> {
             since_look_m += cost.length_m;
             if world.hazard_strikes(cost.neg_ln_r, to, entry) {
                 self.spent.time_s += world.execution().recovery_s;
+                self.spent.time_s += self.faults.delay_s(self.spent.time_s);
                 self.look()?;
                 return Ok(Drive::Aborted);
             }

@@ -47,6 +47,8 @@ pub(crate) struct MissionFile {
     pub directive: Vec<DirectiveFile>,
     #[serde(default)]
     pub execution: ExecutionFile,
+    #[serde(default)]
+    pub fault: Vec<FaultFile>,
 }
 
 fn one() -> u64 {
@@ -339,6 +341,8 @@ pub(crate) struct ExecutionFile {
     pub slip_scatter: f64,
     /// Scatter of an operator's costs, alike.
     pub operator_scatter: f64,
+    /// Factor on the true hazard: what the rover's own hazard model is wrong by.
+    pub hazard_factor: f64,
     /// Time lost when a hazard aborts a drive, seconds.
     pub recovery_s: f64,
     /// Radius within which the hazard cameras see ground that stops the rover, metres.
@@ -352,11 +356,39 @@ impl Default for ExecutionFile {
         Self {
             slip_scatter: 0.1,
             operator_scatter: 0.05,
+            hazard_factor: 1.0,
             recovery_s: 1800.0,
             hazard_camera_m: 3.0,
             max_decisions: 500,
         }
     }
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) enum FaultName {
+    InstrumentLost,
+    WheelDrag,
+    DemBias,
+    CommDelay,
+}
+
+/// What may break: `kind` says which of the last four keys it needs.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+pub(crate) struct FaultFile {
+    pub name: String,
+    pub kind: FaultName,
+    /// Chance that it strikes in a mission.
+    pub probability: f64,
+    /// From when to when it may strike, mission time in seconds; the whole time budget by default.
+    pub between_s: Option<[f64; 2]>,
+    /// How long it lasts; for good by default.
+    pub lasts_s: Option<f64>,
+    pub instrument: Option<String>,
+    pub factor: Option<f64>,
+    pub bias_m: Option<f64>,
+    pub delay_s: Option<f64>,
 }
 
 /// An expert's table.

@@ -3,6 +3,7 @@
 mod campaign;
 mod closed_loop;
 mod error;
+mod fault;
 mod file;
 mod ground;
 mod mission;
@@ -17,6 +18,7 @@ pub use campaign::{
 };
 pub use closed_loop::{Achievement, LegRecord, Progress, RunError, RunStatus, RunSummary, run};
 pub use error::MissionError;
+pub use fault::{Fault, FaultEvent, FaultKind};
 pub use mission::{MISSION_FILE, Mission, Override};
 pub use recorder::{Memory, RecordError, Recorder};
 pub use ruler::Ruler;

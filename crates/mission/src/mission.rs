@@ -18,7 +18,10 @@ use wisdom_grid::{Cell, GridSpec};
 use wisdom_planner::PlannerError;
 
 use crate::MissionError;
-use crate::file::{DerivedName, ExpertFile, FirstLookU, MissionFile, PriorKind, UpdateName};
+use crate::fault::{Fault, FaultKind};
+use crate::file::{
+    DerivedName, ExpertFile, FaultFile, FaultName, FirstLookU, MissionFile, PriorKind, UpdateName,
+};
 use crate::supply::{Carried, Files, Folder, Supply};
 use crate::truth::{LayerTruth, ReadingKind};
 use crate::world::{Execution, Instrument, Prior, World};
@@ -412,6 +415,12 @@ impl Reader<'_> {
                     0.0,
                     1.0,
                 )?,
+                hazard_factor: within(
+                    &["execution", "hazard-factor"],
+                    file.execution.hazard_factor,
+                    0.0,
+                    1e3,
+                )?,
                 recovery_s: within(
                     &["execution", "recovery-s"],
                     file.execution.recovery_s,
@@ -430,6 +439,7 @@ impl Reader<'_> {
                     1,
                     1_000_000,
                 )?,
+                faults: self.faults()?,
             },
             file.terrain
                 .body_radius_m
@@ -756,6 +766,90 @@ impl Reader<'_> {
             });
         }
         Ok(instruments)
+    }
+
+    /// What may break.
+    fn faults(&self) -> Result<Vec<Fault>, MissionError> {
+        let files = &self.file.fault;
+        let mut faults = Vec::new();
+        for (i, file) in files.iter().enumerate() {
+            let index = i.to_string();
+            let error = |key: &str, message: String| self.error(&["fault", &index, key], message);
+            if files[..i].iter().any(|earlier| earlier.name == file.name) {
+                return Err(error("name", format!("fault `{}` is given twice", file.name)));
+            }
+            let number = |key: &str, value, low, high| {
+                self.within(&["fault", &index, key], value, low, high)
+            };
+            let [from_s, to_s] = file.between_s.unwrap_or([0.0, self.file.budget.time_s]);
+            for value in [from_s, to_s] {
+                number("between-s", value, 0.0, f64::INFINITY)?;
+            }
+            if from_s > to_s {
+                let message = format!("[{from_s}, {to_s}]; expected the earlier time first");
+                return Err(error("between-s", message));
+            }
+            faults.push(Fault {
+                name: file.name.clone(),
+                kind: self.fault_kind(file, &index)?,
+                probability: number("probability", file.probability, 0.0, 1.0)?,
+                between_s: (from_s, to_s),
+                lasts_s: match file.lasts_s {
+                    None => f64::INFINITY,
+                    Some(s) => number("lasts-s", s, 0.0, f64::INFINITY)?,
+                },
+            });
+        }
+        Ok(faults)
+    }
+
+    fn fault_kind(&self, file: &FaultFile, index: &str) -> Result<FaultKind, MissionError> {
+        let error = |key: &str, message: String| self.error(&["fault", index, key], message);
+        let own = match file.kind {
+            FaultName::InstrumentLost => "instrument",
+            FaultName::WheelDrag => "factor",
+            FaultName::DemBias => "bias-m",
+            FaultName::CommDelay => "delay-s",
+        };
+        let given = [
+            ("instrument", file.instrument.is_some()),
+            ("factor", file.factor.is_some()),
+            ("bias-m", file.bias_m.is_some()),
+            ("delay-s", file.delay_s.is_some()),
+        ];
+        if let Some((key, _)) = given.into_iter().find(|&(key, given)| given && key != own) {
+            return Err(error(key, format!("a fault of this kind has `{own}`, not `{key}`")));
+        }
+        let number = |key: &str, value: Option<f64>, low, high| {
+            let value = value
+                .ok_or_else(|| error("kind", format!("a fault of this kind needs `{own}`")))?;
+            self.within(&["fault", index, key], value, low, high)
+        };
+        Ok(match file.kind {
+            FaultName::InstrumentLost => {
+                let name = file
+                    .instrument
+                    .clone()
+                    .ok_or_else(|| error("kind", format!("a fault of this kind needs `{own}`")))?;
+                let known: Vec<&str> =
+                    self.file.instrument.iter().map(|i| i.name.as_str()).collect();
+                if !known.contains(&name.as_str()) {
+                    let known = known.join(", ");
+                    let message = format!("`{name}` is no instrument; there are {known}");
+                    return Err(error("instrument", message));
+                }
+                FaultKind::InstrumentLost { instrument: name }
+            }
+            FaultName::WheelDrag => {
+                FaultKind::WheelDrag { factor: number(own, file.factor, 1.0, 1e3)? }
+            }
+            FaultName::DemBias => {
+                FaultKind::DemBias { bias_m: number(own, file.bias_m, -1e4, 1e4)? }
+            }
+            FaultName::CommDelay => {
+                FaultKind::CommDelay { delay_s: number(own, file.delay_s, 0.0, f64::INFINITY)? }
+            }
+        })
     }
 
     fn prior(&self, grid: GridSpec, layers: &[LayerSpec]) -> Result<Prior, MissionError> {

@@ -2,6 +2,8 @@
 
 use wisdom_autonomy::{Decision, Maps, Observation, Outcome};
 
+use crate::FaultEvent;
+
 /// Why a record could not be kept.
 #[derive(Debug, thiserror::Error)]
 #[error("{0}")]
@@ -26,6 +28,12 @@ pub trait Recorder {
     /// # Errors
     /// [`RecordError`] if it cannot be kept; the run ends then.
     fn outcome(&mut self, outcome: &Outcome) -> Result<(), RecordError>;
+
+    /// A fault struck. The core is not told.
+    ///
+    /// # Errors
+    /// [`RecordError`] if it cannot be kept; the run ends then.
+    fn fault(&mut self, event: &FaultEvent) -> Result<(), RecordError>;
 }
 
 /// Keeps decisions and outcomes in memory.
@@ -37,6 +45,8 @@ pub struct Memory {
     pub decisions: Vec<Decision>,
     /// Every outcome.
     pub outcomes: Vec<Outcome>,
+    /// Every fault that struck.
+    pub faults: Vec<FaultEvent>,
 }
 
 impl Recorder for Memory {
@@ -52,6 +62,11 @@ impl Recorder for Memory {
 
     fn outcome(&mut self, outcome: &Outcome) -> Result<(), RecordError> {
         self.outcomes.push(outcome.clone());
+        Ok(())
+    }
+
+    fn fault(&mut self, event: &FaultEvent) -> Result<(), RecordError> {
+        self.faults.push(event.clone());
         Ok(())
     }
 }

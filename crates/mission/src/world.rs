@@ -15,6 +15,7 @@ use wisdom_terrain::{
     FieldOfView, Layer, Observer, TerrainError, normal_noise, unit_noise, viewshed,
 };
 
+use crate::fault::{Fault, Faults};
 use crate::file::FirstLookU;
 use crate::truth::{LayerTruth, ReadingKind};
 
@@ -28,6 +29,8 @@ enum Purpose {
     Hazard = 5,
     Slip = 6,
     Service = 7,
+    Fault = 8,
+    FaultTime = 9,
 }
 
 /// A camera or spectrometer.
@@ -76,12 +79,16 @@ pub struct Execution {
     pub slip_scatter: f64,
     /// Scatter of what an operator costs, as a share (standard deviation).
     pub operator_scatter: f64,
+    /// Factor on the true hazard: 1 if the vehicle's hazard model is right.
+    pub hazard_factor: f64,
     /// Time lost when a hazard aborts a drive, seconds.
     pub recovery_s: f64,
     /// Radius in which ground that stops the rover is seen for certain, metres.
     pub hazard_camera_m: f64,
     /// The most decisions of one mission.
     pub max_decisions: u32,
+    /// What may break.
+    pub faults: Vec<Fault>,
 }
 
 /// The truth, and what chance makes of it.
@@ -157,17 +164,25 @@ impl World {
     /// # Errors
     /// [`TerrainError`] if the ground there cannot be read or judged.
     pub fn edge(&self, from: Cell, to: Cell) -> Result<Option<CostVector>, TerrainError> {
-        if let Some(ground) = &self.ground {
-            return Ok(ground.edge(from, to));
-        }
+        let cost = match &self.ground {
+            Some(ground) => ground.edge(from, to),
+            None => self.judged_near(from)?.edge(from, to),
+        };
+        Ok(cost.map(|cost| CostVector {
+            neg_ln_r: self.execution.hazard_factor * cost.neg_ln_r,
+            ..cost
+        }))
+    }
+
+    /// True traversability of a cell and those around it.
+    fn judged_near(&self, from: Cell) -> Result<Traversability, TerrainError> {
         // The cells beside the step are judged too, each by what lies under the rover there.
         let near = self.grid.around(from, 2 + self.footprint_cells());
         let elevation = self.truth[ELEVATION].window(near)?;
-        let ground = Traversability::new(&self.vehicle, &elevation).map_err(|error| {
+        Traversability::new(&self.vehicle, &elevation).map_err(|error| {
             // Heights that no vehicle's limits can be held against, for instance.
             TerrainError::File { name: format!("the ground at {from}"), reason: error.to_string() }
-        })?;
-        Ok(ground.edge(from, to))
+        })
     }
 
     /// Cells under the rover, to each side of the middle one.
@@ -303,8 +318,21 @@ impl World {
     /// # Errors
     /// [`TerrainError`] if the ground cannot be read.
     pub fn look(&self, pose: Pose, look: u32) -> Result<Vec<LayerWindow>, TerrainError> {
+        self.look_despite(&Faults::default(), 0.0, pose, look)
+    }
+
+    /// What the instruments read from a pose at a mission time, with what has broken by then.
+    pub(crate) fn look_despite(
+        &self,
+        faults: &Faults,
+        time_s: f64,
+        pose: Pose,
+        look: u32,
+    ) -> Result<Vec<LayerWindow>, TerrainError> {
         let mut windows = Vec::new();
-        for instrument in &self.instruments {
+        let works = |instrument: &&Instrument| !faults.has_lost(&instrument.name, time_s);
+        let bias_m = faults.bias_m(time_s) as f32;
+        for instrument in self.instruments.iter().filter(works) {
             let full = instrument.field_of_view_rad >= std::f64::consts::TAU;
             let observer = Observer {
                 cell: pose.cell,
@@ -321,14 +349,15 @@ impl World {
             let in_range = self.grid.around(pose.cell, range_cells);
             let seen = viewshed(&*self.truth[ELEVATION].window(in_range)?, &observer);
             for layer in &instrument.layers {
-                windows.push(self.read(
-                    instrument,
-                    layer,
-                    pose.cell,
-                    seen.window(),
-                    look,
-                    |cell| seen.is_visible(cell),
-                )?);
+                let mut read =
+                    self.read(instrument, layer, pose.cell, seen.window(), look, |cell| {
+                        seen.is_visible(cell)
+                    })?;
+                if layer == ELEVATION && bias_m != 0.0 {
+                    let read_at_all = read.values.iter_mut().zip(&read.uncertainty);
+                    read_at_all.filter(|(_, u)| **u < 1.0).for_each(|(z, _)| *z += bias_m);
+                }
+                windows.push(read);
             }
         }
         Ok(windows)
@@ -408,6 +437,14 @@ impl World {
         let key =
             [self.seed, Purpose::Hazard as u64, self.grid().index(cell) as u64, u64::from(entry)];
         unit_noise(&key) < 1.0 - libm::exp(-neg_ln_r)
+    }
+
+    /// The faults that strike in this world.
+    pub(crate) fn faults(&self) -> Faults {
+        Faults::new(&self.execution.faults, |index, what| {
+            let purpose = if what == 0 { Purpose::Fault } else { Purpose::FaultTime };
+            unit_noise(&[self.seed, purpose as u64, index as u64])
+        })
     }
 
     /// The factor on what the step into `cell` costs, entered for the `entry`-th time.

@@ -11,7 +11,7 @@ use wisdom_autonomy::{Act, Decision, Maps, Observation, Outcome, Spent, StepResu
 use wisdom_belief::Rule;
 use wisdom_goals::{Action, Cause, FactSet, GoalId, Reason, Status};
 use wisdom_mission::{
-    Mission, Override, Progress, RecordError, Recorder, RunStatus, RunSummary, run,
+    FaultEvent, Mission, Override, Progress, RecordError, Recorder, RunStatus, RunSummary, run,
 };
 use wisdom_planner::{Budget, validate};
 use wisdom_terrain::unit_noise;
@@ -52,6 +52,10 @@ impl Recorder for Story<'_> {
 
     fn outcome(&mut self, outcome: &Outcome) -> Result<(), RecordError> {
         self.outcomes.push(outcome.clone());
+        Ok(())
+    }
+
+    fn fault(&mut self, _: &FaultEvent) -> Result<(), RecordError> {
         Ok(())
     }
 }

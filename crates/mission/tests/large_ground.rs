@@ -9,7 +9,7 @@ use std::fmt::Write as _;
 use wisdom_autonomy::{Decision, ELEVATION, Maps, Observation, Outcome};
 use wisdom_goals::{Action, Reason};
 use wisdom_grid::{Cell, Window};
-use wisdom_mission::{Mission, RecordError, Recorder, RunSummary, run};
+use wisdom_mission::{FaultEvent, Mission, RecordError, Recorder, RunSummary, run};
 use wisdom_terrain::unit_noise;
 
 /// What a run decided, and on which maps.
@@ -49,6 +49,10 @@ impl Recorder for Story {
     }
 
     fn outcome(&mut self, _: &Outcome) -> Result<(), RecordError> {
+        Ok(())
+    }
+
+    fn fault(&mut self, _: &FaultEvent) -> Result<(), RecordError> {
         Ok(())
     }
 }
