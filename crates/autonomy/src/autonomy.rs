@@ -76,6 +76,11 @@ impl Autonomy {
                 });
             }
         }
+        if let Some(layer) = &spec.slip_layer
+            && !spec.measures(layer)
+        {
+            return Err(AutonomyError::SlipLayer { layer: layer.clone() });
+        }
         let measured = spec.layers.iter().filter_map(|l| match l.source {
             Source::Measured(update) => Some((l.name.clone(), update)),
             Source::Derived(_) => None,

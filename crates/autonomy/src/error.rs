@@ -35,6 +35,12 @@ pub enum AutonomyError {
         /// The layer it names.
         layer: String,
     },
+    /// Slip is to depend on a layer that is not measured.
+    #[error("slip is to depend on layer `{layer}`, which the mission does not measure")]
+    SlipLayer {
+        /// The layer named.
+        layer: String,
+    },
     /// A window has another number of values than cells.
     #[error("`{layer}`, {window}: {values} values and {uncertainties} uncertainties")]
     WindowLength {

@@ -16,5 +16,5 @@ pub use maps::Maps;
 pub use observation::{LayerWindow, Observation, Outcome, Pose, Spent, StepResult};
 pub use spec::{
     ApproachSpec, Budget, Derivation, ELEVATION, Fallback, LayerSpec, MIN_WORKING_CELLS, MapUpdate,
-    Source, Spec, Triggers,
+    RouteSpec, Source, Spec, Triggers,
 };

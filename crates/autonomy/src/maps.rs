@@ -54,7 +54,8 @@ impl Maps {
         let interest = interest_map(&evidence, &spec.fusion);
         let prize = prize_map(&interest.interest, &interest.ignorance, spec.prize);
         let sites = sites(&prize.prize, survival);
-        let ground = Traversability::new(&spec.vehicle, &elevation)?;
+        let classes = spec.slip_layer.as_ref().map(|name| &layers[name]);
+        let ground = Traversability::on_classes(&spec.vehicle, &elevation, classes)?;
         let known = interest.ignorance.values().iter().filter(|u| **u < 1.0).count();
         let seen = known as f64 / elevation.spec().len() as f64;
         Ok(Self { layers, evidence, interest, prize, sites, ground, seen })

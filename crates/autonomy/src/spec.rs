@@ -109,6 +109,22 @@ pub struct ApproachSpec {
     pub poses: usize,
 }
 
+/// How many ways are weighed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct RouteSpec {
+    /// Alternatives looked for on each leg: 1 is the most reliable route alone, more trade reliability for time and
+    /// energy.
+    pub alternatives: usize,
+    /// Plans of one order of goals that a family holds at most: the chosen one and others of its front.
+    pub front: usize,
+}
+
+impl Default for RouteSpec {
+    fn default() -> Self {
+        Self { alternatives: 1, front: 8 }
+    }
+}
+
 /// Everything the core is told once.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Spec {
@@ -135,6 +151,10 @@ pub struct Spec {
     pub manager: ManagerSpec,
     /// The rover's limits.
     pub vehicle: Vehicle,
+    /// The measured layer of terrain classes that the wheels slip by, if any ([`Vehicle::slip_class`]).
+    pub slip_layer: Option<String>,
+    /// How many ways are weighed.
+    pub routes: RouteSpec,
     /// What may be spent.
     pub budget: Budget,
     /// What calls for a decision.
@@ -149,6 +169,12 @@ pub struct Spec {
 pub const MIN_WORKING_CELLS: usize = 64;
 
 impl Spec {
+    /// Whether a layer of that name is measured.
+    #[must_use]
+    pub fn measures(&self, layer: &str) -> bool {
+        self.layers.iter().any(|l| l.name == layer && matches!(l.source, Source::Measured(_)))
+    }
+
     /// The working map when it is laid anew around a cell: a square of [`Spec::working_cells`], cut to lie on the grid,
     /// its edges on multiples of an eighth of its side so that it moves seldom.
     #[must_use]

@@ -2,7 +2,7 @@
 
 use wisdom_autonomy::{
     Act, ApproachSpec, Autonomy, AutonomyError, Budget, Decision, Fallback, LayerSpec, LayerWindow,
-    MapUpdate, Observation, Outcome, Pose, Source, Spec, Spent, StepResult, Trigger, Triggers,
+    MapUpdate, Observation, Outcome, Pose, RouteSpec, Source, Spec, Spent, StepResult, Trigger, Triggers,
 };
 use wisdom_belief::Opinion;
 use wisdom_fusion::{Band, Expert, Fusion, LookupTable, Rows};
@@ -89,6 +89,8 @@ fn spec() -> Spec {
             home: START,
             return_home: false,
         },
+        slip_layer: None,
+        routes: RouteSpec::default(),
         approach: ApproachSpec { eye_height_m: 2.0, poses: 1 },
     }
 }

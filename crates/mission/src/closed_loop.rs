@@ -11,7 +11,7 @@ use wisdom_planner::Route;
 use wisdom_terrain::TerrainError;
 
 use crate::fault::Faults;
-use crate::{FaultEvent, Mission, RecordError, Recorder, Ruler};
+use crate::{FaultEvent, Mission, RecordError, Recorder, Ruler, Step};
 
 /// Why a run ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -517,7 +517,7 @@ impl Simulation<'_> {
         for pair in route.cells.windows(2) {
             let (from, to) = (pair[0], pair[1]);
             self.strike()?;
-            let Some(cost) = world.edge(from, to)? else {
+            let Some(Step { cost, slip }) = world.step(from, to)? else {
                 // The reactive layer: ground the map took for passable is not.
                 self.spent.time_s += self.faults.delay_s(self.spent.time_s);
                 self.observe(world.close_look(from)?)?;
@@ -525,19 +525,22 @@ impl Simulation<'_> {
             };
             let entry = self.entries.entry(to).and_modify(|n| *n += 1).or_insert(1);
             let entry = *entry;
-            let factor = world.slip_factor(to, entry) * self.faults.drag(self.spent.time_s);
+            let scatter = world.slip_factor(to, entry);
+            let factor = scatter * self.faults.drag(self.spent.time_s);
             self.spent.time_s += cost.time_s * factor;
             self.spent.energy_j += cost.energy_j * factor;
+            // A step that costs twice the wheels' way keeps half of what was kept of it.
+            if 1.0 - (1.0 - slip) / scatter >= self.mission.spec.vehicle.slip_max {
+                // The wheels spin: the way is spent and nothing gained.
+                return self.aborted();
+            }
             self.spent.length_m += cost.length_m;
             self.summary.neg_ln_r += cost.neg_ln_r;
             self.pose = Pose { cell: to, heading_rad: heading(from, to) };
             self.summary.track.push(to);
             since_look_m += cost.length_m;
             if world.hazard_strikes(cost.neg_ln_r, to, entry) {
-                self.spent.time_s += world.execution().recovery_s;
-                self.spent.time_s += self.faults.delay_s(self.spent.time_s);
-                self.look()?;
-                return Ok(Drive::Aborted);
+                return self.aborted();
             }
             let is_last = Some(&to) == route.cells.last();
             if self.is_spent() && !is_last {
@@ -552,6 +555,14 @@ impl Simulation<'_> {
             }
         }
         Ok(Drive::Arrived)
+    }
+
+    /// A hazard ended the drive: the rover recovers, waits for the ground's word if it must, and looks around.
+    fn aborted(&mut self) -> Result<Drive, RunError> {
+        self.spent.time_s += self.mission.world.execution().recovery_s;
+        self.spent.time_s += self.faults.delay_s(self.spent.time_s);
+        self.look()?;
+        Ok(Drive::Aborted)
     }
 }
 

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use serde::Deserialize;
+use wisdom_autonomy::RouteSpec;
 use wisdom_planner::Vehicle;
 
 /// `mission.toml`.
@@ -37,6 +38,8 @@ pub(crate) struct MissionFile {
     pub budget: BudgetFile,
     #[serde(default)]
     pub goals: GoalsFile,
+    #[serde(default)]
+    pub routes: RoutesFile,
     #[serde(default)]
     pub triggers: TriggersFile,
     #[serde(default)]
@@ -192,6 +195,10 @@ pub(crate) struct RoverFile {
     pub eye_height_m: f64,
     #[serde(default = "two_poses")]
     pub poses: usize,
+    /// A built-in vehicle that `vehicle` changes single keys of.
+    pub preset: Option<String>,
+    /// The layer of terrain classes that slip depends on.
+    pub slip_layer: Option<String>,
     #[serde(default)]
     pub vehicle: Vehicle,
 }
@@ -253,6 +260,20 @@ impl Default for GoalsFile {
             expansions: 50_000,
             max_reopenings: 1,
         }
+    }
+}
+
+#[derive(Debug, Clone, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields, default)]
+pub(crate) struct RoutesFile {
+    pub alternatives: usize,
+    pub front: usize,
+}
+
+impl Default for RoutesFile {
+    fn default() -> Self {
+        let RouteSpec { alternatives, front } = RouteSpec::default();
+        Self { alternatives, front }
     }
 }
 

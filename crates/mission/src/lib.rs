@@ -22,4 +22,4 @@ pub use fault::{Fault, FaultEvent, FaultKind};
 pub use mission::{MISSION_FILE, Mission, Override};
 pub use recorder::{Memory, RecordError, Recorder};
 pub use ruler::Ruler;
-pub use world::{Execution, Instrument, World};
+pub use world::{Execution, Instrument, Step, World};

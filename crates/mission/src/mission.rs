@@ -5,8 +5,8 @@ use std::path::Path;
 
 use toml_edit::{DocumentMut, Item, Value};
 use wisdom_autonomy::{
-    ApproachSpec, Budget, Derivation, ELEVATION, Fallback, LayerSpec, MapUpdate, Source, Spec,
-    Triggers,
+    ApproachSpec, Budget, Derivation, ELEVATION, Fallback, LayerSpec, MapUpdate, RouteSpec, Source,
+    Spec, Triggers,
 };
 use wisdom_belief::{InterestMass, Opinion, ParadoxPolicy, Rule};
 use wisdom_fusion::{Band, Class, Expert, Fusion, FusionError, LookupTable, Rows, Statistic};
@@ -15,7 +15,7 @@ use wisdom_goals::{
     PrizeScale, ServiceCost,
 };
 use wisdom_grid::{Cell, GridSpec};
-use wisdom_planner::PlannerError;
+use wisdom_planner::{PlannerError, Preset, Vehicle};
 
 use crate::MissionError;
 use crate::fault::{Fault, FaultKind};
@@ -211,6 +211,9 @@ const MAX_KNOWN: usize = 1000;
 /// The most sequences a family may hold.
 const MAX_FAMILY: usize = 100;
 
+/// The most alternatives of one leg: each is a search of its own.
+const MAX_ALTERNATIVES: usize = 16;
+
 /// The most poses of one goal.
 const MAX_POSES: usize = 4;
 
@@ -314,13 +317,15 @@ impl Reader<'_> {
         let directives = self.directives(&domain, &experts)?;
         let manager = self.manager()?;
         let start = self.start(grid, &truth[ELEVATION])?;
-        file.rover.vehicle.validate().map_err(|e| match &e {
+        let vehicle = self.vehicle()?;
+        let slip_layer = self.slip_layer(&layers, &truth)?;
+        vehicle.validate().map_err(|e| match &e {
             PlannerError::Vehicle { field, .. } => self.error(&["rover", "vehicle", field], &e),
             _ => self.error(&["rover", "vehicle"], &e),
         })?;
         self.within(
             &["rover", "vehicle", "footprint-radius-m"],
-            file.rover.vehicle.footprint_radius_m,
+            vehicle.footprint_radius_m,
             0.0,
             MAX_FOOTPRINT_CELLS * grid.spacing_m(),
         )?;
@@ -337,7 +342,17 @@ impl Reader<'_> {
             domain,
             directives,
             manager,
-            vehicle: file.rover.vehicle.clone(),
+            vehicle,
+            slip_layer,
+            routes: RouteSpec {
+                alternatives: self.counted(
+                    &["routes", "alternatives"],
+                    file.routes.alternatives,
+                    1,
+                    MAX_ALTERNATIVES,
+                )?,
+                front: self.counted(&["routes", "front"], file.routes.front, 1, MAX_FAMILY)?,
+            },
             budget,
             triggers: Triggers {
                 interest_change: within(
@@ -439,6 +454,7 @@ impl Reader<'_> {
                     1,
                     1_000_000,
                 )?,
+                slip_layer: spec.slip_layer.clone(),
                 faults: self.faults()?,
             },
             file.terrain
@@ -766,6 +782,38 @@ impl Reader<'_> {
             });
         }
         Ok(instruments)
+    }
+
+    /// The mission's own vehicle, or a preset with the mission's keys over it.
+    fn vehicle(&self) -> Result<Vehicle, MissionError> {
+        let rover = &self.file.rover;
+        let Some(name) = &rover.preset else { return Ok(rover.vehicle.clone()) };
+        let preset = Preset::named(name).map_err(|e| self.error(&["rover", "preset"], e))?;
+        let mut table = preset.table();
+        // What the file says, key by key: a vehicle that was read has defaults where the file is silent.
+        let own = self.text.parse::<toml::Table>().ok();
+        let own = own.as_ref().and_then(|file| file.get("rover")?.get("vehicle")?.as_table());
+        table.extend(own.cloned().unwrap_or_default());
+        table.try_into().map_err(|e| self.error(&["rover", "vehicle"], e))
+    }
+
+    /// The layer that slip depends on: measured, and of classes.
+    fn slip_layer(
+        &self,
+        layers: &[LayerSpec],
+        truth: &BTreeMap<String, LayerTruth>,
+    ) -> Result<Option<String>, MissionError> {
+        let Some(name) = &self.file.rover.slip_layer else { return Ok(None) };
+        let classes = |layer: &&LayerSpec| {
+            truth.get(&layer.name).is_some_and(|t| matches!(t.kind, ReadingKind::Class { .. }))
+        };
+        if layers.iter().filter(classes).any(|layer| layer.name == *name) {
+            return Ok(Some(name.clone()));
+        }
+        let known: Vec<&str> = layers.iter().filter(classes).map(|l| l.name.as_str()).collect();
+        let known = if known.is_empty() { "none".to_owned() } else { known.join(", ") };
+        let message = format!("`{name}` is no measured layer of classes; there are: {known}");
+        Err(self.error(&["rover", "slip-layer"], message))
     }
 
     /// What may break.

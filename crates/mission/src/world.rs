@@ -87,8 +87,19 @@ pub struct Execution {
     pub hazard_camera_m: f64,
     /// The most decisions of one mission.
     pub max_decisions: u32,
+    /// The layer of terrain classes that the wheels truly slip by, if any.
+    pub slip_layer: Option<String>,
     /// What may break.
     pub faults: Vec<Fault>,
+}
+
+/// One step over the true ground, before chance has its say.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Step {
+    /// What it costs, by the true hazard ([`Execution::hazard_factor`]).
+    pub cost: CostVector,
+    /// Slip of the wheels, as a share of their way.
+    pub slip: f64,
 }
 
 /// The truth, and what chance makes of it.
@@ -120,8 +131,16 @@ impl World {
         body_radius_m: Option<f64>,
     ) -> Result<Self, PlannerError> {
         let elevation = &truth[ELEVATION];
-        let whole = elevation.in_memory();
-        let ground = whole.map(|layer| Traversability::new(vehicle, layer)).transpose()?;
+        let classes = execution.slip_layer.as_ref().map(|name| truth[name].in_memory());
+        // Neither layer, or both, lie in memory: else the ground is judged piece by piece.
+        let ground = match (elevation.in_memory(), classes) {
+            (Some(elevation), None) => Some((elevation, None)),
+            (Some(elevation), Some(Some(classes))) => Some((elevation, Some(classes))),
+            _ => None,
+        };
+        let ground = ground
+            .map(|(elevation, classes)| Traversability::on_classes(vehicle, elevation, classes))
+            .transpose()?;
         Ok(Self {
             seed,
             grid: elevation.grid,
@@ -164,13 +183,31 @@ impl World {
     /// # Errors
     /// [`TerrainError`] if the ground there cannot be read or judged.
     pub fn edge(&self, from: Cell, to: Cell) -> Result<Option<CostVector>, TerrainError> {
-        let cost = match &self.ground {
-            Some(ground) => ground.edge(from, to),
-            None => self.judged_near(from)?.edge(from, to),
+        Ok(self.step(from, to)?.map(|step| step.cost))
+    }
+
+    /// What the step from a cell to a neighbour truly does; none if it cannot be taken.
+    ///
+    /// # Errors
+    /// [`TerrainError`] if the ground there cannot be read or judged.
+    pub fn step(&self, from: Cell, to: Cell) -> Result<Option<Step>, TerrainError> {
+        let near;
+        let ground = match &self.ground {
+            Some(ground) => ground,
+            None => {
+                near = self.judged_near(from)?;
+                &near
+            }
         };
-        Ok(cost.map(|cost| CostVector {
-            neg_ln_r: self.execution.hazard_factor * cost.neg_ln_r,
-            ..cost
+        let Some(cost) = ground.edge(from, to) else { return Ok(None) };
+        let rise_m = match (ground.height_m(from), ground.height_m(to)) {
+            (Some(below), Some(above)) => f64::from(above) - f64::from(below),
+            _ => 0.0,
+        };
+        let slope_deg = libm::atan2(rise_m, cost.length_m).to_degrees();
+        Ok(Some(Step {
+            cost: CostVector { neg_ln_r: self.execution.hazard_factor * cost.neg_ln_r, ..cost },
+            slip: ground.slip(from, slope_deg).max(ground.slip(to, slope_deg)),
         }))
     }
 
@@ -179,7 +216,19 @@ impl World {
         // The cells beside the step are judged too, each by what lies under the rover there.
         let near = self.grid.around(from, 2 + self.footprint_cells());
         let elevation = self.truth[ELEVATION].window(near)?;
-        Traversability::new(&self.vehicle, &elevation).map_err(|error| {
+        let cut = |layer: Cow<'_, Layer>| {
+            if layer.spec().window() == near {
+                return Ok(layer.into_owned());
+            }
+            let first = Cell { row: near.row, col: near.col };
+            Ok::<_, TerrainError>(layer.crop(near)?.numbered_from(first))
+        };
+        let elevation = cut(elevation)?;
+        let classes = match &self.execution.slip_layer {
+            Some(name) => Some(cut(self.truth[name].window(near)?)?),
+            None => None,
+        };
+        Traversability::on_classes(&self.vehicle, &elevation, classes.as_ref()).map_err(|error| {
             // Heights that no vehicle's limits can be held against, for instance.
             TerrainError::File { name: format!("the ground at {from}"), reason: error.to_string() }
         })
@@ -412,7 +461,7 @@ impl World {
         Ok(LayerWindow { layer: layer.to_owned(), window, values, uncertainty })
     }
 
-    /// What the hazard cameras see around the rover: true heights, for certain. They always see far enough to
+    /// What the hazard cameras see around the rover: true heights, and classes where slip depends on them, for certain. They always see far enough to
     /// judge the step that stopped it, so that no decision asks for the same step again.
     ///
     /// # Errors
@@ -423,11 +472,18 @@ impl World {
         // A cell is judged by the ground under the footprint around it, or by its neighbours.
         let needed = 1 + self.footprint_cells();
         let window = self.grid().around(cell, asked.max(needed).min(wisdom_grid::MAX_SIDE));
-        let truth = self.truth[ELEVATION].window(window)?;
-        let read =
-            |near: Cell| if truth.is_known(near) { (truth.value(near), 0.0) } else { (0.0, 1.0) };
-        let (values, uncertainty) = window.cells().map(read).unzip();
-        Ok(vec![LayerWindow { layer: ELEVATION.to_owned(), window, values, uncertainty }])
+        // What the wheels slip by is seen too: a class the map is wrong about may be what stopped it.
+        std::iter::once(ELEVATION)
+            .chain(self.execution.slip_layer.as_deref())
+            .map(|layer| {
+                let truth = self.truth[layer].window(window)?;
+                let read = |near: Cell| {
+                    if truth.is_known(near) { (truth.value(near), 0.0) } else { (0.0, 1.0) }
+                };
+                let (values, uncertainty) = window.cells().map(read).unzip();
+                Ok(LayerWindow { layer: layer.to_owned(), window, values, uncertainty })
+            })
+            .collect()
     }
 
     /// Whether a hazard ends the drive on the step into `cell`, which it enters for the `entry`-th time: the

@@ -523,3 +523,55 @@ proptest! {
         }
     }
 }
+
+/// The keys that an unknown one is told to be mistaken for.
+fn keys_of(table: &str) -> Vec<String> {
+    let mut files = PAPER.clone();
+    let text = text(&files, MISSION_FILE).to_owned();
+    let text = if table.is_empty() { format!("zzz = 1\n{text}") } else { text };
+    let changed = if table.is_empty() {
+        text
+    } else if text.contains(table) {
+        text.replacen(table, &format!("{table}\nzzz = 1"), 1)
+    } else {
+        format!("{text}\n{table}\nzzz = 1\n")
+    };
+    files.insert(MISSION_FILE.to_owned(), changed.into_bytes());
+    let said = Mission::from_files(&files).expect_err("no such key").to_string();
+    assert!(said.contains("unknown field `zzz`"), "{table}: {said}");
+    let (_, expected) = said.split_once("expected one of ").expect("it lists the keys");
+    let line = expected.lines().next().expect("a line");
+    line.split('`').skip(1).step_by(2).map(str::to_owned).collect()
+}
+
+#[test]
+fn the_guide_to_mission_files_names_every_key() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/mission.md");
+    let guide = std::fs::read_to_string(path).expect("it ships");
+    let tables = [
+        "",
+        "[terrain]",
+        "[[layer]]",
+        "[prior]",
+        "[[instrument]]",
+        "[rover]",
+        "[rover.vehicle]",
+        "[budget]",
+        "[goals]",
+        "[routes]",
+        "[triggers]",
+        "[fallback]",
+        "[[operator]]",
+        "[[directive]]",
+        "[execution]",
+        "[[fault]]",
+    ];
+    for table in tables {
+        let keys = keys_of(table);
+        assert!(keys.len() > 1, "{table}: {keys:?}");
+        for key in keys {
+            let named = [format!("`{key}`"), format!("[{key}]"), format!("[{key}.")];
+            assert!(named.iter().any(|n| guide.contains(n)), "{table}: `{key}` is not in it");
+        }
+    }
+}
