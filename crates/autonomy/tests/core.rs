@@ -2,7 +2,8 @@
 
 use wisdom_autonomy::{
     Act, ApproachSpec, Autonomy, AutonomyError, Budget, Decision, Fallback, LayerSpec, LayerWindow,
-    MapUpdate, Observation, Outcome, Pose, RouteSpec, Source, Spec, Spent, StepResult, Trigger, Triggers,
+    MapUpdate, Observation, Outcome, Pose, RouteSpec, Source, Spec, Spent, StepResult, Trigger,
+    Triggers,
 };
 use wisdom_belief::Opinion;
 use wisdom_fusion::{Band, Expert, Fusion, LookupTable, Rows};

@@ -16,6 +16,40 @@ pub enum PlannerError {
         /// The range it must lie in.
         limit: &'static str,
     },
+    /// A number of a slip class is out of range.
+    #[error("vehicle slip-class of class {class}: {field} is {value}; it must be {limit}")]
+    SlipClass {
+        /// The class.
+        class: i32,
+        /// The field, as a mission file writes it.
+        field: &'static str,
+        /// The value found.
+        value: f64,
+        /// The range it must lie in.
+        limit: &'static str,
+    },
+    /// A slip class that no reading can name exactly.
+    #[error(
+        "vehicle slip-class of class {class}; classes lie within ±16777216, which readings hold exactly"
+    )]
+    ClassRange {
+        /// The class.
+        class: i32,
+    },
+    /// A class has two slip curves.
+    #[error("vehicle slip-class lists class {class} twice; a class has one curve")]
+    RepeatedClass {
+        /// The class.
+        class: i32,
+    },
+    /// There is no preset of that name.
+    #[error("no preset is named `{name}`; there are {known}")]
+    UnknownPreset {
+        /// The name asked for.
+        name: String,
+        /// The names there are.
+        known: String,
+    },
     /// Two rasters of the same ground lie in different places.
     #[error("{layer} lies on {found:?}, the elevation on {expected:?}; they must share one grid")]
     GridMismatch {

@@ -165,7 +165,8 @@ pub enum Violation {
 /// where the rover stands to its pose, enters no blocked cell, cuts no corner and does not slip; stated costs are those
 /// of the routes; the sums found here (not those stated) keep the budget.
 ///
-/// Slopes are driven by angle here and by rise in [`Vehicle::drive`], so that a slip in one shows in the other.
+/// Slopes are driven by angle here and by rise in [`Vehicle::drive`], so that a slip in one shows in the other; what
+/// the wheels slip by class is worked out here again from the vehicle's curves and the ground's classes.
 ///
 /// # Errors
 /// The first [`Violation`] found, legs first, in order.
@@ -259,8 +260,7 @@ fn drive(
             _ => 0.0,
         };
         let t = libm::atan2(rise, length);
-        let slip = vehicle.slip_base
-            * libm::exp(vehicle.slip_growth_per_deg * (t * (180.0 / std::f64::consts::PI)));
+        let slip = slip_at(from, t, ground, vehicle).max(slip_at(to, t, ground, vehicle));
         if slip >= vehicle.slip_max * (1.0 + RELATIVE_TOLERANCE) {
             return Err(Violation::Slip { leg, from, to, slip, limit: vehicle.slip_max });
         }
@@ -277,6 +277,25 @@ fn drive(
         sum.neg_ln_r += mean_hazard * length;
     }
     Ok(sum)
+}
+
+/// Slip at a cell on a slope of `t` radians: of its class as far as that is known, of the worst curve for the rest.
+fn slip_at(cell: Cell, t: f64, ground: &Traversability, vehicle: &Vehicle) -> f64 {
+    let degrees = t * (180.0 / std::f64::consts::PI);
+    let curve = |base: f64, growth: f64| base * libm::exp(growth * degrees);
+    let unlisted = curve(vehicle.slip_base, vehicle.slip_growth_per_deg);
+    let Some(classes) = ground.classes() else { return unlisted };
+    let (class, u) = (classes.value(cell), f64::from(classes.u(cell)));
+    let (mut own, mut worst) = (unlisted, unlisted);
+    for listed in &vehicle.slip_class {
+        let slip = curve(listed.base, listed.growth_per_deg);
+        worst = worst.max(slip);
+        if listed.class as f32 == class {
+            own = slip;
+        }
+    }
+    // Wheels do not slip more than all their way.
+    own.min(1.0) * (1.0 - u) + worst.min(1.0) * u
 }
 
 /// The first quantity in which a stated cost is off, with what was stated and what was found.

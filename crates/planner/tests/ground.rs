@@ -3,7 +3,7 @@
 use proptest::prelude::*;
 use wisdom_grid::{Cell, GridSpec, Raster};
 use wisdom_planner::{
-    CostVector, FieldOptions, Ground, PlannerError, Traversability, Vehicle, field,
+    CostVector, FieldOptions, Ground, PlannerError, SlipClass, Traversability, Vehicle, field,
 };
 use wisdom_terrain::Layer;
 
@@ -114,6 +114,165 @@ fn unknown_ground_is_open_and_has_the_unknown_hazard() {
     let flat = ground.edge(Cell::new(4, 1), Cell::new(4, 2)).expect("flat ground can be driven");
     assert_eq!(into_shadow.energy_j, flat.energy_j);
     assert!(into_shadow.neg_ln_r > flat.neg_ln_r);
+}
+
+/// The worst tenth of a normal lies on average 1.754983 of its standard deviations above its mean.
+const WORST_TENTH: f64 = 1.754_983_319_324_868;
+
+/// Judges heights of one u at their worst tenth, a height with u = 1 erring by 0.2 m.
+fn at_risk(vehicle: &Vehicle, u: f32, height: impl FnMut(Cell) -> f32) -> Traversability {
+    let careful = Vehicle { risk_level: 0.9, height_sigma_m: 0.2, ..vehicle.clone() };
+    let heights = Raster::from_fn(spec(9, 9), height);
+    let elevation = Layer::new(heights, Raster::filled(spec(9, 9), u)).expect("sound readings");
+    Traversability::new(&careful, &elevation).expect("vehicle and ground are sound")
+}
+
+/// By hand: a plane of 10 %, u = 0.5, so that heights err by 0.1 m, their central difference over 2 m by 0.1/√2 m.
+#[test]
+fn a_slope_is_judged_at_the_mean_of_its_worst_tenth() {
+    let only_slope = Vehicle { roughness_max_m: 1e6, step_max_m: 1e6, ..Vehicle::default() };
+    let ground = at_risk(&only_slope, 0.5, |cell| 0.1 * cell.col as f32);
+    let severity = |gradient: f64| gradient.atan().to_degrees() / 25.0;
+    let sigma = 0.1 / 2f64.sqrt();
+    let found = f64::from(ground.severity(MIDDLE));
+    assert!((found - severity(0.1 + WORST_TENTH * sigma)).abs() < 1e-6, "{found}");
+    // At the map's edge two heights a metre apart make the difference, which errs by √2 of each.
+    let found = f64::from(ground.severity(Cell::new(4, 0)));
+    assert!((found - severity(0.1 + WORST_TENTH * 0.1 * 2f64.sqrt())).abs() < 1e-6, "{found}");
+    // Certain heights have no worst tenth.
+    let sure = at_risk(&only_slope, 0.0, |cell| 0.1 * cell.col as f32);
+    assert!((f64::from(sure.severity(MIDDLE)) - severity(0.1)).abs() < 1e-6);
+}
+
+/// A spike of 0.5 m errs by √2·0.2·u against its neighbours: at u = 0.5 its worst tenth is 0.748 m, at u = 0.9 0.947.
+#[test]
+fn a_step_is_judged_at_the_mean_of_its_worst_tenth() {
+    let only_steps = Vehicle { roughness_max_m: 1e6, slope_max_deg: 25.0, ..Vehicle::default() };
+    let spike = |u: f32| at_risk(&only_steps, u, |cell| if cell == MIDDLE { 0.5 } else { 0.0 });
+    let worst = 0.5 + WORST_TENTH * 2f64.sqrt() * 0.1;
+    let found = f64::from(spike(0.5).severity(MIDDLE));
+    assert!((found - worst / only_steps.step_limit_m(1.0)).abs() < 1e-6, "{found}");
+    assert!(!spike(0.5).is_blocked(MIDDLE));
+    assert!(spike(0.9).is_blocked(MIDDLE), "0.947 m is above 0.909 m");
+}
+
+#[test]
+fn roughness_is_judged_at_the_mean_of_its_worst_tenth() {
+    let only_rough = Vehicle {
+        roughness_max_m: 0.5,
+        slope_max_deg: 89.0,
+        step_max_m: 1e6,
+        ..Vehicle::default()
+    };
+    let ground = at_risk(&only_rough, 0.5, |_| -4500.0);
+    let found = f64::from(ground.severity(MIDDLE));
+    assert!((found - WORST_TENTH * 0.1 / 0.5).abs() < 1e-6, "{found}");
+}
+
+/// What was never seen has its own hazard already.
+#[test]
+fn unknown_ground_is_the_same_at_any_risk_level() {
+    let ground = at_risk(&Vehicle::default(), 1.0, |_| 0.0);
+    let plain = judged(&Layer::unknown(spec(9, 9)));
+    assert_eq!(ground.severities(), plain.severities());
+    assert_eq!(ground.hazard(), plain.hazard());
+    assert_eq!(ground.blocked(), plain.blocked());
+}
+
+/// Loose sand and bedrock, curves through Heverly et al. (2013); the default, of class 2, lies between them.
+fn on_soils() -> Vehicle {
+    toml::from_str(
+        r#"
+        slip-base = 0.02
+        slip-growth-per-deg = 0.12
+        slip-class = [
+            { class = 1, name = "loose sand", base = 0.035, growth-per-deg = 0.17 },
+            { class = 3, name = "bedrock", base = 0.01, growth-per-deg = 0.10 },
+        ]
+        "#,
+    )
+    .expect("known keys")
+}
+
+fn classes(spec: GridSpec, class: impl FnMut(Cell) -> f32, u: f32) -> Layer {
+    Layer::new(Raster::from_fn(spec, class), Raster::filled(spec, u)).expect("sound readings")
+}
+
+/// 20 degrees: sand slips by 1.05, so all its way; bedrock by 0.074; half of each is 0.537, short of the limit 0.9.
+#[test]
+fn ground_is_blocked_by_the_slip_of_its_class_as_far_as_that_is_known() {
+    let judged = |class: f32, u: f32| {
+        let classes = classes(spec(9, 9), |_| class, u);
+        Traversability::on_classes(&on_soils(), &ramp(20.0), Some(&classes))
+            .expect("vehicle and ground are sound")
+    };
+    assert!(judged(1.0, 0.0).is_blocked(MIDDLE));
+    assert!(!judged(2.0, 0.0).is_blocked(MIDDLE));
+    assert!(!judged(3.0, 0.0).is_blocked(MIDDLE));
+    assert!(!judged(3.0, 0.5).is_blocked(MIDDLE));
+    assert!(judged(3.0, 0.95).is_blocked(MIDDLE));
+    assert!(judged(3.0, 1.0).is_blocked(MIDDLE));
+    let bedrock = 0.01 * 2f64.exp();
+    assert!((judged(3.0, 0.0).slip(MIDDLE, 20.0) - bedrock).abs() < 1e-12);
+    assert!((judged(3.0, 0.5).slip(MIDDLE, 20.0) - 0.5 * (bedrock + 1.0)).abs() < 1e-12);
+    assert_eq!(judged(3.0, 1.0).slip(MIDDLE, 20.0), 1.0);
+    // Without a layer of classes the vehicle's own curve holds.
+    let plain = Traversability::new(&on_soils(), &ramp(20.0)).expect("a sound vehicle");
+    assert_eq!(plain.slip(MIDDLE, 20.0), on_soils().slip(20.0));
+    assert!(!plain.is_blocked(MIDDLE));
+}
+
+/// Ten degrees, from bedrock onto sand: the step slips as sand does, uphill 0.035 e^1.7, downhill 0.035 e^-1.7.
+#[test]
+fn a_step_slips_as_the_worse_of_its_two_cells() {
+    let soils = classes(spec(9, 9), |cell| if cell.col < 4 { 3.0 } else { 1.0 }, 0.0);
+    let ground = Traversability::on_classes(&on_soils(), &ramp(10.0), Some(&soils))
+        .expect("vehicle and ground are sound");
+    let way = 1.0 / 10f64.to_radians().cos();
+    let time = |from: usize, to: usize| {
+        let step = ground.edge(Cell::new(4, from), Cell::new(4, to));
+        step.expect("10 degrees can be driven").time_s
+    };
+    let expected = |slip: f64| way / (0.04 * (1.0 - slip));
+    for (from, to, slip) in [
+        (2, 3, 0.01 * 1f64.exp()),
+        (3, 4, 0.035 * 1.7f64.exp()),
+        (4, 5, 0.035 * 1.7f64.exp()),
+        (5, 4, 0.035 * (-1.7f64).exp()),
+        (4, 3, 0.035 * (-1.7f64).exp()),
+        (3, 2, 0.01 * (-1f64).exp()),
+    ] {
+        let found = time(from, to);
+        assert!((found / expected(slip) - 1.0).abs() < 1e-6, "{from} to {to}: {found}");
+    }
+}
+
+/// A bank of 21 degrees that the map's slopes do not show is closed upwards where it may be sand.
+#[test]
+fn a_bank_of_sand_is_closed_upwards_only() {
+    let bank = |u: f32| {
+        let mut bank = drawn(&[".."]);
+        bank.elevation = certain(spec(1, 2), |cell| 0.384 * cell.col as f32);
+        let soil = classes(spec(1, 2), |_| 3.0, u);
+        Traversability::from_ground_on_classes(&on_soils(), bank, Some(&soil))
+            .expect("vehicle and ground are sound")
+    };
+    let (low, high) = (Cell::new(0, 0), Cell::new(0, 1));
+    assert!(bank(0.5).edge(low, high).is_some());
+    assert_eq!(bank(0.95).edge(low, high), None);
+    assert!(bank(0.95).edge(high, low).is_some());
+}
+
+#[test]
+fn classes_of_another_grid_are_refused() {
+    let other = classes(spec(9, 8), |_| 1.0, 0.0);
+    let refused = Traversability::on_classes(&on_soils(), &ramp(5.0), Some(&other));
+    assert_eq!(
+        refused.map(|_| ()).unwrap_err(),
+        PlannerError::GridMismatch { layer: "classes", found: spec(9, 8), expected: spec(9, 9) }
+    );
+    let refused = Traversability::from_ground_on_classes(&on_soils(), drawn(&[".."]), Some(&other));
+    assert!(matches!(refused, Err(PlannerError::GridMismatch { layer: "classes", .. })));
 }
 
 /// A corridor of shadow beside a corridor of seen ground at 0.4 of the limits, u = 0.2, equally long.
@@ -288,8 +447,43 @@ fn a_vehicle_out_of_range_is_refused_by_name() {
         refused("hazard-floor-per-m = nan"),
         "vehicle hazard-floor-per-m is NaN; it must be in [1e-12, 1e3]"
     );
+    assert_eq!(refused("risk-level = 1.0"), "vehicle risk-level is 1; it must be in [0, 1)");
+    assert_eq!(
+        refused("height-sigma-m = -0.1"),
+        "vehicle height-sigma-m is -0.1; it must be in [0, 1e9]"
+    );
     assert!(toml::from_str::<Vehicle>("speed = 1.0").is_err(), "unknown keys are errors");
     assert_eq!(toml::from_str::<Vehicle>("").expect("all keys have defaults"), Vehicle::default());
+}
+
+#[test]
+fn a_slip_class_out_of_range_is_refused_by_name() {
+    let refused = |change: fn(&mut Vec<SlipClass>)| {
+        let mut vehicle = on_soils();
+        change(&mut vehicle.slip_class);
+        vehicle.validate().unwrap_err()
+    };
+    let found = refused(|listed| listed[1].base = 0.0);
+    assert_eq!(
+        found,
+        PlannerError::SlipClass { class: 3, field: "base", value: 0.0, limit: "in (0, 1)" }
+    );
+    assert_eq!(found.to_string(), "vehicle slip-class of class 3: base is 0; it must be in (0, 1)");
+    assert!(matches!(
+        refused(|listed| listed[0].base = 0.95),
+        PlannerError::SlipClass { class: 1, field: "base", limit: "below slip-max", .. }
+    ));
+    assert!(matches!(
+        refused(|listed| listed[0].growth_per_deg = f64::NAN),
+        PlannerError::SlipClass { class: 1, field: "growth-per-deg", .. }
+    ));
+    assert_eq!(refused(|listed| listed[1].class = 1), PlannerError::RepeatedClass { class: 1 });
+    assert_eq!(
+        refused(|listed| listed[1].class = 1 << 25),
+        PlannerError::ClassRange { class: 1 << 25 }
+    );
+    assert!(toml::from_str::<Vehicle>("slip-class = [{ class = 1 }]").is_err(), "half a curve");
+    assert!(Traversability::new(&on_soils(), &ramp(5.0)).is_ok());
 }
 
 #[test]

@@ -226,3 +226,142 @@ fn the_chosen_plan_of_a_family_is_the_one_indexed() {
     assert_eq!(family.chosen().map(|plan| plan.legs[0].stop), Some(2));
     assert_eq!(PlanFamily { plans: vec![], chosen: 0 }.chosen(), None);
 }
+
+/// The same plan, wrong by what it does and not by what it says: all its sums are right, the budget is not kept.
+#[test]
+fn a_plan_edited_beyond_its_budget_is_caught_though_its_sums_are_right() {
+    let over = |change: fn(&mut Plan)| {
+        violation(|plan| {
+            change(plan);
+            *plan = Plan::new(plan.start, plan.legs.clone());
+        })
+    };
+    let found = over(|plan| plan.legs[1].service.time_s = 2e5);
+    assert!(
+        matches!(found, Violation::OverTime { found_s, limit_s: 1e5 } if found_s > 2e5),
+        "{found:?}"
+    );
+    let found = over(|plan| plan.legs[1].service.energy_j = 2e8);
+    assert!(
+        matches!(found, Violation::OverEnergy { found_j, limit_j: 1e8 } if found_j > 2e8),
+        "{found:?}"
+    );
+}
+
+/// Back and forth between two cells until the chance of it all is below the floor, the sums right throughout.
+#[test]
+fn a_plan_edited_into_danger_is_caught_though_its_sums_are_right() {
+    let ground = ground();
+    let (a, b) = (NODES[0], Cell::new(4, 5));
+    let restless = |times: usize| {
+        let cells: Vec<Cell> = std::iter::repeat_n([a, b], times).flatten().chain([a]).collect();
+        let cost = cells.windows(2).map(|pair| ground.edge(pair[0], pair[1]).expect("open")).sum();
+        let route = wisdom_planner::Route { cells, cost };
+        let plan = Plan::new(a, vec![Leg { stop: 0, pose: a, route, service: SERVICE }]);
+        let budget = Budget { min_reliability: 0.99, ..ROOMY };
+        validate(&plan, &ground, &Vehicle::default(), &budget)
+    };
+    assert_eq!(restless(1), Ok(()));
+    let found = restless(1000);
+    assert!(
+        matches!(found, Err(Violation::Unreliable { found, limit: 0.99 }) if found < 0.99),
+        "{found:?}"
+    );
+}
+
+/// Loose sand is class 1, bedrock class 3 (curves through Heverly et al. 2013).
+fn on_soils() -> Vehicle {
+    let soil = |class, base, growth_per_deg| wisdom_planner::SlipClass {
+        class,
+        name: String::new(),
+        base,
+        growth_per_deg,
+    };
+    let slip_class = vec![soil(1, 0.035, 0.17), soil(3, 0.01, 0.10)];
+    Vehicle { slip_base: 0.02, slip_growth_per_deg: 0.12, slip_class, ..Vehicle::default() }
+}
+
+/// The ground of [`heights`], sand in the east, the classes known as well as `u` says.
+fn soils(u: f32) -> Traversability {
+    let elevation = heights();
+    let spec = elevation.spec();
+    let classes = Layer::new(
+        Raster::from_fn(spec, |cell| [3.0, 2.0, 1.0][cell.col / 10]),
+        Raster::filled(spec, u),
+    );
+    let classes = classes.expect("sound readings");
+    Traversability::on_classes(&on_soils(), &elevation, Some(&classes))
+        .expect("vehicle and ground are sound")
+}
+
+#[test]
+fn what_the_search_makes_on_classes_is_valid() {
+    for u in [0.0, 0.3, 1.0] {
+        let ground = soils(u);
+        let travel = travel_matrix(&ground, &NODES, Limits::NONE);
+        for order in [&[1][..], &[1, 2, 3], &[3, 2, 1]] {
+            let plan = tour(&travel, order);
+            assert_eq!(validate(&plan, &ground, &on_soils(), &ROOMY), Ok(()), "{u} {order:?}");
+        }
+    }
+}
+
+/// What a plan says it costs is wrong once its classes are known less well, or not asked for at all.
+#[test]
+fn a_plan_that_takes_its_classes_for_granted_is_caught() {
+    let plan = tour(&travel_matrix(&soils(0.0), &NODES, Limits::NONE), &[1, 2, 3]);
+    let found = validate(&plan, &soils(0.3), &on_soils(), &ROOMY);
+    assert!(
+        matches!(found, Err(Violation::LegCost { quantity: "time_s", stated, found, .. }) if stated < found),
+        "{found:?}"
+    );
+    let elevation = heights();
+    let classless = Traversability::new(&on_soils(), &elevation).expect("a sound vehicle");
+    let found = validate(&plan, &classless, &on_soils(), &ROOMY);
+    assert!(matches!(found, Err(Violation::LegCost { quantity: "time_s", .. })), "{found:?}");
+    // Nor may the vehicle forget what it slips on.
+    let forgetful = Vehicle { slip_class: Vec::new(), ..on_soils() };
+    let found = validate(&plan, &soils(0.0), &forgetful, &ROOMY);
+    assert!(matches!(found, Err(Violation::LegCost { quantity: "time_s", .. })), "{found:?}");
+}
+
+/// A step of 21 degrees, good on bedrock, too much on what may be sand: of either of its cells.
+#[test]
+fn a_bank_that_turns_out_to_be_sand_is_caught() {
+    let spec = GridSpec::new(1, 2, 1.0).expect("a small grid");
+    let heights = Raster::from_fn(spec, |cell| 0.384 * cell.col as f32);
+    let (low, high) = (Cell::new(0, 0), Cell::new(0, 1));
+    let on = |classes: [f32; 2], u: f32| {
+        let ground = wisdom_planner::Ground {
+            elevation: Layer::certain(heights.clone()).expect("heights are finite"),
+            blocked: Raster::filled(spec, false),
+            severity: Raster::filled(spec, 0.0),
+            hazard_per_m: Raster::filled(spec, 1e-4),
+        };
+        let classes = Raster::from_fn(spec, |cell| classes[cell.col]);
+        let classes = Layer::new(classes, Raster::filled(spec, u)).expect("sound readings");
+        Traversability::from_ground_on_classes(&on_soils(), ground, Some(&classes))
+            .expect("vehicle and ground are sound")
+    };
+    let bedrock = on([3.0, 3.0], 0.0);
+    let drive = |ground: &Traversability, from: Cell, to: Cell| {
+        let cost = ground.edge(from, to).expect("an open step");
+        let route = wisdom_planner::Route { cells: vec![from, to], cost };
+        Plan::new(from, vec![Leg { stop: 0, pose: to, route, service: SERVICE }])
+    };
+    let check = |plan: &Plan, ground: &Traversability| validate(plan, ground, &on_soils(), &ROOMY);
+    let up = drive(&bedrock, low, high);
+    assert_eq!(check(&up, &bedrock), Ok(()));
+    for sand in
+        [on([1.0, 3.0], 0.0), on([3.0, 1.0], 0.0), on([3.0, 3.0], 0.95), on([3.0, 3.0], 1.0)]
+    {
+        let found = check(&up, &sand);
+        assert!(
+            matches!(found, Err(Violation::Slip { leg: 0, from, to, slip, limit: 0.9 })
+                if (from, to) == (low, high) && slip > 0.9 && slip <= 1.0),
+            "{found:?}"
+        );
+        // The way down is open.
+        assert_eq!(check(&drive(&sand, high, low), &sand), Ok(()));
+    }
+}

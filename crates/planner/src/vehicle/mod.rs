@@ -1,14 +1,19 @@
 //! What the rover can drive over, and what driving costs it.
 
+mod risk;
+mod slip;
+
 use serde::Deserialize;
 
 use crate::PlannerError;
+pub use slip::SlipClass;
 
 /// Limits, hazard model and drive model of a rover. A mission file may set any field; unknown keys are errors.
 ///
 /// The defaults describe a 900 kg rover on Mars. The hazard numbers are fitted so that 100 m of flat ground
 /// cost one per cent of reliability and ground at a limit is 70 times as hazardous; slip is the bedrock curve
-/// through Heverly et al. (2013). They are configuration, not measurements of a flown rover.
+/// through Heverly et al. (2013). `risk_level` is 0: heights are taken as they read, whatever their uncertainty, and
+/// no terrain class slips on its own. They are configuration, not measurements of a flown rover.
 ///
 /// ```
 /// use wisdom_planner::Vehicle;
@@ -38,6 +43,12 @@ pub struct Vehicle {
     pub hazard_uncertainty_gain: f64,
     /// Severity assumed of ground never seen, as a share of the limits.
     pub unknown_severity: f64,
+    /// a: slope, step and roughness are judged by the mean of their worst share 1 − a (conditional value at risk)
+    /// over the uncertainty of the heights, in [0, 1); 0, the default, judges them as they read.
+    pub risk_level: f64,
+    /// Standard deviation of a height with u = 1, metres; with u it is u times that. Asked for by risk levels
+    /// above 0 only.
+    pub height_sigma_m: f64,
     /// Speed of the wheels, metres a second; slip is taken off it.
     pub speed_m_s: f64,
     /// Mass, kilograms.
@@ -56,6 +67,9 @@ pub struct Vehicle {
     pub slip_growth_per_deg: f64,
     /// Slip from which ground counts as blocked.
     pub slip_max: f64,
+    /// Slip by terrain class, for ground judged with a layer of classes; classes not listed slip by `slip_base`
+    /// and `slip_growth_per_deg`. None by default.
+    pub slip_class: Vec<SlipClass>,
 }
 
 impl Default for Vehicle {
@@ -69,6 +83,8 @@ impl Default for Vehicle {
             hazard_exponent: 4.25,
             hazard_uncertainty_gain: 4.0,
             unknown_severity: 0.6,
+            risk_level: 0.0,
+            height_sigma_m: 0.1,
             speed_m_s: 0.04,
             mass_kg: 900.0,
             gravity_m_s2: 3.71,
@@ -78,6 +94,7 @@ impl Default for Vehicle {
             slip_base: 0.01,
             slip_growth_per_deg: 0.10,
             slip_max: 0.9,
+            slip_class: Vec::new(),
         }
     }
 }
@@ -89,6 +106,7 @@ const POSITIVE: Allowed = (|x| x > 0.0 && x <= 1e9, "in (0, 1e9]");
 const NOT_NEGATIVE: Allowed = (|x| (0.0..=1e9).contains(&x), "in [0, 1e9]");
 const SHARE: Allowed = (|x| x > 0.0 && x <= 1.0, "in (0, 1]");
 const BELOW_ONE: Allowed = (|x| x > 0.0 && x < 1.0, "in (0, 1)");
+const LEVEL: Allowed = (|x| (0.0..1.0).contains(&x), "in [0, 1)");
 const ANGLE: Allowed = (|x| x > 0.0 && x < 90.0, "in (0, 90)");
 /// Hazard rates are kept as `f32`: floor, exponent and gain are bounded so that none overflows or vanishes.
 const FLOOR: Allowed = (|x| (1e-12..=1e3).contains(&x), "in [1e-12, 1e3]");
@@ -99,9 +117,11 @@ impl Vehicle {
     /// Checks every field against its range.
     ///
     /// # Errors
-    /// [`PlannerError::Vehicle`] with the first field out of range, its value and the range.
+    /// [`PlannerError::Vehicle`] with the first field out of range, its value and the range;
+    /// [`PlannerError::SlipClass`], [`PlannerError::ClassRange`] or [`PlannerError::RepeatedClass`] with the first
+    /// slip class that is wrong.
     pub fn validate(&self) -> Result<(), PlannerError> {
-        let fields: [(&'static str, f64, Allowed); 17] = [
+        let fields: [(&'static str, f64, Allowed); 19] = [
             ("slope-max-deg", self.slope_max_deg, ANGLE),
             ("step-max-m", self.step_max_m, POSITIVE),
             ("roughness-max-m", self.roughness_max_m, POSITIVE),
@@ -110,6 +130,8 @@ impl Vehicle {
             ("hazard-exponent", self.hazard_exponent, EXPONENT),
             ("hazard-uncertainty-gain", self.hazard_uncertainty_gain, GAIN),
             ("unknown-severity", self.unknown_severity, SHARE),
+            ("risk-level", self.risk_level, LEVEL),
+            ("height-sigma-m", self.height_sigma_m, NOT_NEGATIVE),
             ("speed-m-s", self.speed_m_s, POSITIVE),
             ("mass-kg", self.mass_kg, POSITIVE),
             ("gravity-m-s2", self.gravity_m_s2, POSITIVE),
@@ -129,7 +151,7 @@ impl Vehicle {
             let (field, value) = ("slip-base", self.slip_base);
             return Err(PlannerError::Vehicle { field, value, limit: "below slip-max" });
         }
-        Ok(())
+        self.check_slip_classes()
     }
 
     /// Hazard rate λ per metre of ground of a severity (share of the limits) known with uncertainty `u`:
@@ -145,13 +167,6 @@ impl Vehicle {
         seen.max(u * of(self.unknown_severity))
     }
 
-    /// Slip on a slope, as a share of the wheels' way: `min(1, base·exp(growth·slope))`. Slopes driven down
-    /// are negative and slip less than flat ground.
-    #[must_use]
-    pub fn slip(&self, slope_deg: f64) -> f64 {
-        (self.slip_base * libm::exp(self.slip_growth_per_deg * slope_deg)).min(1.0)
-    }
-
     /// The height difference between neighbouring cells that stops the rover, metres, on a grid of a spacing.
     ///
     /// It is `step_max_m` and what the steepest slope allowed explains over the diagonal of a cell: cells of
@@ -163,8 +178,24 @@ impl Vehicle {
         self.step_max_m + std::f64::consts::SQRT_2 * spacing_m * steepest
     }
 
+    /// How far beyond its reading a height with u = 1 is judged, metres: `σ_z·φ(Φ⁻¹(a))/(1 − a)`, the conditional
+    /// value at risk of a normal error with [`Vehicle::height_sigma_m`] at [`Vehicle::risk_level`] (Rockafellar and
+    /// Uryasev 2000; for traversability Fan et al. 2021, STEP). 0 at level 0.
+    ///
+    /// ```
+    /// use wisdom_planner::Vehicle;
+    ///
+    /// let careful = Vehicle { risk_level: 0.9, height_sigma_m: 0.2, ..Vehicle::default() };
+    /// assert!((careful.risk_margin_m() - 0.2 * 1.755).abs() < 1e-4);
+    /// assert_eq!(Vehicle::default().risk_margin_m(), 0.0);
+    /// ```
+    #[must_use]
+    pub fn risk_margin_m(&self) -> f64 {
+        self.height_sigma_m * risk::cvar_of_standard_normal(self.risk_level)
+    }
+
     /// Time in seconds and energy in joules of a straight drive over `length_m` on the map that rises by
-    /// `rise_m`; none if the wheels slip [`Vehicle::slip_max`] or more.
+    /// `rise_m`; none if the wheels slip [`Vehicle::slip_max`] or more. Slip is [`Vehicle::slip`]'s.
     ///
     /// The wheels turn `ground length / (1 − slip)` at [`Vehicle::speed_m_s`]. Per metre of ground they work
     /// `m·g·(c_rr·cos t + max(0, sin t)) / (η·(1 − slip))`, t being the slope in the direction of travel; over
@@ -174,8 +205,15 @@ impl Vehicle {
         let slip = if rise_m == 0.0 {
             self.slip_base
         } else {
-            self.slip(libm::atan(rise_m / length_m).to_degrees())
+            self.slip(slope_of_travel_deg(length_m, rise_m))
         };
+        self.drive_slipping(length_m, rise_m, slip)
+    }
+
+    /// Time in seconds and energy in joules of a drive as [`Vehicle::drive`] has it, with a slip found elsewhere:
+    /// that of [`Vehicle::slip_on`] at `atan(rise/length)`, say.
+    #[must_use]
+    pub fn drive_slipping(&self, length_m: f64, rise_m: f64, slip: f64) -> Option<(f64, f64)> {
         if slip >= self.slip_max {
             return None;
         }
@@ -186,13 +224,14 @@ impl Vehicle {
         let drive_j = self.mass_kg * self.gravity_m_s2 * force_way / (self.drive_efficiency * kept);
         Some((time_s, drive_j + self.hotel_power_w * time_s))
     }
+}
 
-    /// The rise over run from which [`Vehicle::drive`] refuses: where slip reaches its limit.
-    pub(crate) fn steepest_grade(&self) -> f64 {
-        if self.slip_growth_per_deg == 0.0 {
-            return f64::INFINITY;
-        }
-        let slope_deg = libm::log(self.slip_max / self.slip_base) / self.slip_growth_per_deg;
-        if slope_deg >= 90.0 { f64::INFINITY } else { libm::tan(slope_deg.to_radians()) }
-    }
+/// The slope in the direction of travel, degrees; negative downhill.
+pub(crate) fn slope_of_travel_deg(length_m: f64, rise_m: f64) -> f64 {
+    libm::atan(rise_m / length_m).to_degrees()
+}
+
+/// Rise over run of a slope in degrees; infinite from 90 on.
+pub(crate) fn grade(slope_deg: f64) -> f64 {
+    if slope_deg >= 90.0 { f64::INFINITY } else { libm::tan(slope_deg.to_radians()) }
 }
