@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use wisdom_grid::{GridSpec, Raster, Window};
-use wisdom_planner::{Traversability, Vehicle};
+use wisdom_planner::{Preset, Traversability, Vehicle};
 use wisdom_terrain::format::GridFile;
 use wisdom_terrain::{Kernel, Layer, Measure, hillshade as shade, measure};
 
@@ -61,8 +61,9 @@ pub(crate) struct TraversabilityArgs {
     /// cells have that of the limits), or blocked (1 or 0).
     #[arg(long, value_enum, default_value = "severity")]
     what: What,
-    /// The vehicle: a TOML file with the keys of `[rover.vehicle]` in mission.toml, each optional.
-    #[arg(long, value_name = "FILE.toml")]
+    /// The vehicle: a preset (mer, msl, m2020, exomars), or a TOML file with the keys of `[rover.vehicle]` in
+    /// mission.toml, each optional.
+    #[arg(long, value_name = "PRESET|FILE.toml")]
     vehicle: Option<PathBuf>,
     /// Uncertainty of the heights, 0 to 1, on the same grid: it raises the hazard.
     #[arg(long, value_name = "FILE")]
@@ -214,7 +215,9 @@ pub(super) fn hillshade(args: &HillshadeArgs) -> anyhow::Result<()> {
 }
 
 pub(super) fn traversability(args: &TraversabilityArgs) -> anyhow::Result<()> {
-    let inputs = [Some(args.input.path()), args.vehicle.as_deref(), args.uncertainty.as_deref()];
+    let is_file = |path: &&Path| path.to_str().is_none_or(|name| Preset::named(name).is_err());
+    let vehicle_file = args.vehicle.as_deref().filter(is_file);
+    let inputs = [Some(args.input.path()), vehicle_file, args.uncertainty.as_deref()];
     let inputs: Vec<_> = inputs.into_iter().flatten().collect();
     let target = args.output.target(&inputs)?;
     let ground = args.input.open()?;
@@ -287,6 +290,9 @@ pub(super) fn with_u(elevation: Layer, u: Option<GridFile>) -> anyhow::Result<La
 
 fn vehicle(args: &TraversabilityArgs) -> anyhow::Result<Vehicle> {
     let Some(path) = &args.vehicle else { return Ok(Vehicle::default()) };
+    if let Some(preset) = path.to_str().and_then(|name| Preset::named(name).ok()) {
+        return Ok(preset.vehicle());
+    }
     let name = path.display();
     let text = std::fs::read_to_string(path)
         .map_err(|error| InputError(format!("--vehicle {name}: {error}")))?;

@@ -321,6 +321,13 @@ impl Reader<'_> {
         let slip_layer = self.slip_layer(&layers, &truth)?;
         vehicle.validate().map_err(|e| match &e {
             PlannerError::Vehicle { field, .. } => self.error(&["rover", "vehicle", field], &e),
+            PlannerError::SlipClass { class, .. }
+            | PlannerError::ClassRange { class }
+            | PlannerError::RepeatedClass { class } => {
+                let row = vehicle.slip_class.iter().rposition(|c| c.class == *class);
+                let row = row.unwrap_or_default().to_string();
+                self.error(&["rover", "vehicle", "slip-class", &row], &e)
+            }
             _ => self.error(&["rover", "vehicle"], &e),
         })?;
         self.within(

@@ -539,7 +539,7 @@ fn keys_of(table: &str) -> Vec<String> {
     files.insert(MISSION_FILE.to_owned(), changed.into_bytes());
     let said = Mission::from_files(&files).expect_err("no such key").to_string();
     assert!(said.contains("unknown field `zzz`"), "{table}: {said}");
-    let (_, expected) = said.split_once("expected one of ").expect("it lists the keys");
+    let (_, expected) = said.split_once(", expected ").expect("it lists the keys");
     let line = expected.lines().next().expect("a line");
     line.split('`').skip(1).step_by(2).map(str::to_owned).collect()
 }
@@ -570,8 +570,43 @@ fn the_guide_to_mission_files_names_every_key() {
         let keys = keys_of(table);
         assert!(keys.len() > 1, "{table}: {keys:?}");
         for key in keys {
-            let named = [format!("`{key}`"), format!("[{key}]"), format!("[{key}.")];
+            let named = [format!("`{key}`"), format!("[{key}]"), format!(".{key}]")];
             assert!(named.iter().any(|n| guide.contains(n)), "{table}: `{key}` is not in it");
         }
+    }
+}
+
+#[test]
+fn a_preset_s_vehicle_takes_the_mission_s_keys_over_its_own() {
+    let preset = wisdom_planner::Preset::named("m2020").expect("it is built in").vehicle();
+    let with = |more: &[(&str, &str)]| {
+        let mut changes = vec![("rover.preset", "m2020")];
+        changes.extend(more);
+        load("marias-pass", &changes).expect("a sound mission").spec.vehicle
+    };
+    // Marias Pass sets four keys; all others are the preset's.
+    let vehicle = with(&[]);
+    assert_eq!(vehicle.slope_max_deg, 28.0);
+    assert_eq!(vehicle.mass_kg, preset.mass_kg);
+    assert_eq!(vehicle.slip_class, preset.slip_class);
+    assert_eq!(with(&[("rover.vehicle.mass-kg", "500.0")]).mass_kg, 500.0);
+    let error = load("marias-pass", &[("rover.preset", "tricycle")]).expect_err("no such rover");
+    let said = error.to_string();
+    assert!(
+        said.contains("no preset is named `tricycle`; there are mer, msl, m2020, exomars"),
+        "{said}"
+    );
+    assert!(said.contains("mission.toml:"), "{said}");
+}
+
+#[test]
+fn slip_depends_on_a_measured_layer_of_classes_or_it_is_an_error() {
+    let mission = load("marias-pass", &[("rover.slip-layer", "texture")]).expect("classes");
+    assert_eq!(mission.spec.slip_layer.as_deref(), Some("texture"));
+    for name in ["temperature", "slope", "colour"] {
+        let error = load("marias-pass", &[("rover.slip-layer", name)]).expect_err("no classes");
+        let said = error.to_string();
+        let words = format!("`{name}` is no measured layer of classes; there are: texture");
+        assert!(said.contains(&words) && said.contains("slip-layer"), "{said}");
     }
 }
