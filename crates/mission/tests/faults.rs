@@ -226,3 +226,53 @@ fn a_fault_that_makes_no_sense_is_an_error_at_its_key() {
         assert!(said.contains(words) && said.contains("mission.toml:"), "{fault}\n{said}");
     }
 }
+
+/// Aborted drives of the one-goal mission where wheels keep a fifth of their way, and what a step costs scatters so much
+/// that some keep a tenth.
+fn aborted_where_slip_stops_at(slip_max: f64) -> usize {
+    let vehicle = format!(
+        "step-max-m = 0.4\nhazard-floor-per-m = 1e-12\nslip-base = 0.8\nslip-growth-per-deg = 0.0\n\
+         slip-max = {slip_max}"
+    );
+    let changes = [
+        ("step-max-m = 0.4", vehicle.as_str()),
+        ("[budget]", "[execution]\nslip-scatter = 1.0\n\n[budget]"),
+    ];
+    let (summary, story) = go(&mission("", &changes));
+    let aborted = |o: &&Outcome| matches!(o.result, wisdom_autonomy::StepResult::Aborted(_));
+    for outcome in story.outcomes.iter().filter(aborted) {
+        // The step was paid for and not made: the rover stands where its track ends.
+        assert_eq!(outcome.track.last(), Some(&outcome.pose.cell));
+    }
+    assert!(summary.spent.length_m > 0.0);
+    story.outcomes.iter().filter(aborted).count()
+}
+
+#[test]
+fn wheels_that_slip_to_the_limit_spin_and_end_the_drive() {
+    assert!(aborted_where_slip_stops_at(0.9) > 0);
+    assert_eq!(aborted_where_slip_stops_at(0.95), 0, "the hazards themselves never strike here");
+}
+
+#[test]
+fn the_wheels_slip_by_the_true_class_and_the_hazard_cameras_see_it() {
+    let slope = "[base]\nelevation_m = 0.0\nrise_east = 0.0\nrise_north = 0.3\ntexture = 2\ntemperature = 3.0\n";
+    let classes = "step-max-m = 0.4\n\
+                   slip-class = [{ class = 2, base = 0.05, growth-per-deg = 0.15 }]";
+    let changes = [
+        ("step-max-m = 0.4", classes),
+        ("eye-height-m = 3.0", "eye-height-m = 3.0\nslip-layer = \"texture\""),
+    ];
+    let world = small::mission(slope, &changes).expect("a sound mission").world;
+    let (here, north) = (wisdom_grid::Cell::new(20, 20), wisdom_grid::Cell::new(19, 20));
+    let slope_deg = 0.3_f64.atan().to_degrees();
+    let up = world.step(here, north).expect("it reads").expect("open");
+    let down = world.step(north, here).expect("it reads").expect("open");
+    assert!((up.slip - 0.05 * (0.15 * slope_deg).exp()).abs() < 1e-6, "{}", up.slip);
+    assert!((down.slip - 0.05 * (-0.15 * slope_deg).exp()).abs() < 1e-6, "{}", down.slip);
+    assert!(up.cost.time_s > down.cost.time_s);
+    let seen = world.close_look(here).expect("it reads");
+    let texture = seen.iter().find(|w| w.layer == "texture").expect("slip depends on it");
+    assert!(texture.values.iter().all(|&class| class == 2.0));
+    assert!(texture.uncertainty.iter().all(|&u| u == 0.0));
+}
