@@ -35,7 +35,7 @@ pub(crate) struct CompareArgs {
 }
 
 /// What `--seeds` names.
-fn seeds(text: &str) -> Result<Vec<u64>, InputError> {
+pub(crate) fn seeds(text: &str) -> Result<Vec<u64>, InputError> {
     let error = || InputError(format!("--seeds {text}: expected `3`, `1,4,7` or `1..5`"));
     let number = |s: &str| s.trim().parse::<u64>().map_err(|_| error());
     let mut seeds = Vec::new();

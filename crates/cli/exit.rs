@@ -97,6 +97,6 @@ fn is_input(error: &(dyn std::error::Error + 'static)) -> bool {
 }
 
 #[expect(clippy::print_stderr, reason = "this is where the command speaks of its errors")]
-fn complain(text: &str) {
+pub(crate) fn complain(text: &str) {
     eprintln!("{text}");
 }

@@ -1,5 +1,7 @@
 //! The `wisdom` command: run missions, replay and verify their logs, compare rules.
 
+mod campaign;
+mod chart;
 mod check;
 mod combine;
 mod compare;
@@ -20,8 +22,8 @@ use clap::{Parser, Subcommand};
 
 /// Run, replay, verify and compare missions of a planetary rover that chooses its own goals.
 ///
-/// Exit codes: 0 all went well; 1 a run or a check failed; 2 a mistake in what was given; 3 the log at hand is
-/// not complete.
+/// Exit codes: 0 all went well; 1 a run or a check failed; 2 a mistake in what was given; 3 the log or campaign at
+/// hand is not complete.
 #[derive(Parser, Debug)]
 #[command(name = "wisdom", version, max_term_width = 100)]
 struct Cli {
@@ -39,13 +41,15 @@ enum Command {
     Verify(verify::VerifyArgs),
     /// Run the same worlds under several fusion rules and compare the goal sequences.
     Compare(compare::CompareArgs),
+    // Without a doc comment: one here would hide that of `CampaignArgs`, which says what the folder holds.
+    Campaign(campaign::CampaignArgs),
     /// Draw a map of a logged decision.
     Show(show::ShowArgs),
     /// Check a mission without running it.
     Check(check::CheckArgs),
     /// List the rules of combination, or explain one.
     Rules(rules::RulesArgs),
-    // Without a doc comment: one here would hide that of `CombineArgs`, which says what to write.
+    // As above.
     Combine(combine::CombineArgs),
     // As above.
     Terrain(terrain::TerrainArgs),
@@ -59,6 +63,7 @@ fn main() -> ExitCode {
         Command::Replay(args) => replay::run(&args),
         Command::Verify(args) => verify::run(&args),
         Command::Compare(args) => compare::run(&args),
+        Command::Campaign(args) => campaign::run(&args),
         Command::Show(args) => show::run(&args),
         Command::Check(args) => check::run(&args),
         Command::Rules(args) => rules::run(&args),

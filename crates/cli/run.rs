@@ -155,7 +155,7 @@ pub(crate) fn run(args: &RunArgs) -> anyhow::Result<ExitCode> {
 }
 
 /// A flag that an interrupt (Ctrl-C) or a request to terminate raises: the run then ends with its end record.
-fn interrupted() -> anyhow::Result<std::sync::Arc<std::sync::atomic::AtomicBool>> {
+pub(crate) fn interrupted() -> anyhow::Result<std::sync::Arc<std::sync::atomic::AtomicBool>> {
     let flag = std::sync::Arc::new(std::sync::atomic::AtomicBool::new(false));
     let raised = flag.clone();
     ctrlc::set_handler(move || {

@@ -75,7 +75,7 @@ impl Tick {
 }
 
 /// At most `most` + 1 round numbers (1, 2 or 5 times a power of ten apart) from `low` to `high`, and their step.
-pub(super) fn ticks(low: f64, high: f64, most: usize, least_step: f64) -> (f64, Vec<f64>) {
+pub(crate) fn ticks(low: f64, high: f64, most: usize, least_step: f64) -> (f64, Vec<f64>) {
     let raw = ((high - low) / most as f64).max(least_step);
     if raw <= 0.0 {
         return (1.0, vec![low]);
@@ -93,7 +93,7 @@ pub(super) fn ticks(low: f64, high: f64, most: usize, least_step: f64) -> (f64, 
 }
 
 /// A tick's number, with the decimals that its step needs; `largest` is the largest number on the axis.
-pub(super) fn number(value: f64, step: f64, largest: f64) -> String {
+pub(crate) fn number(value: f64, step: f64, largest: f64) -> String {
     let places = |x: f64| (x.abs().log10() + 1e-9).floor() as i32;
     if value.abs() < step / 2.0 {
         return "0".to_owned();

@@ -19,25 +19,25 @@ use super::text::LABEL;
 /// Height of the tip that says "values go on beyond the bar", pixels.
 pub(super) const TIP: i32 = 12;
 
-pub(super) type Point2 = (f32, f32);
+pub(crate) type Point2 = (f32, f32);
 
 /// A rectangle of pixels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Area {
-    pub(super) left: i32,
-    pub(super) top: i32,
-    pub(super) width: i32,
-    pub(super) height: i32,
+pub(crate) struct Area {
+    pub(crate) left: i32,
+    pub(crate) top: i32,
+    pub(crate) width: i32,
+    pub(crate) height: i32,
 }
 
 impl Area {
     /// The first column to the right of it.
-    pub(super) fn right(self) -> i32 {
+    pub(crate) fn right(self) -> i32 {
         self.left + self.width
     }
 
     /// The first row below it.
-    pub(super) fn bottom(self) -> i32 {
+    pub(crate) fn bottom(self) -> i32 {
         self.top + self.height
     }
 
@@ -71,7 +71,7 @@ impl Area {
     }
 
     /// Pixels in both.
-    pub(super) fn overlap(self, other: Self) -> i32 {
+    pub(crate) fn overlap(self, other: Self) -> i32 {
         let across = self.right().min(other.right()) - self.left.max(other.left);
         let down = self.bottom().min(other.bottom()) - self.top.max(other.top);
         across.max(0) * down.max(0)
@@ -154,14 +154,14 @@ fn outlines(corners: &[Point2]) -> Vec<[f32; 3]> {
 
 /// The pixels of a figure.
 #[derive(Debug)]
-pub(super) struct Canvas {
+pub(crate) struct Canvas {
     pub(super) width: i32,
     pub(super) height: i32,
     pub(super) pixels: Vec<Rgb888>,
 }
 
 impl Canvas {
-    pub(super) fn blank(width: i32, height: i32) -> Self {
+    pub(crate) fn blank(width: i32, height: i32) -> Self {
         Self { width, height, pixels: vec![WHITE; (width * height) as usize] }
     }
 
@@ -191,7 +191,7 @@ impl Canvas {
         }
     }
 
-    pub(super) fn fill(&mut self, area: Area, colour: Rgb888) {
+    pub(crate) fn fill(&mut self, area: Area, colour: Rgb888) {
         for y in area.top..area.bottom() {
             for x in area.left..area.right() {
                 self.put(x, y, colour);
@@ -251,7 +251,7 @@ impl Canvas {
     }
 
     /// A line of half width `half` in one colour, without a rim.
-    pub(super) fn line(&mut self, from: Point2, to: Point2, half: f32, colour: Rgb888) {
+    pub(crate) fn line(&mut self, from: Point2, to: Point2, half: f32, colour: Rgb888) {
         // Walked along its longer direction, so that a slanted line does not cost the box around it.
         let steep = (to.1 - from.1).abs() > (to.0 - from.0).abs();
         let turned = |(x, y): Point2| if steep { (y, x) } else { (x, y) };
@@ -290,7 +290,7 @@ impl Canvas {
         }
     }
 
-    pub(super) fn text(&mut self, font: &MonoFont<'_>, text: &str, at: (i32, i32), colour: Rgb888) {
+    pub(crate) fn text(&mut self, font: &MonoFont<'_>, text: &str, at: (i32, i32), colour: Rgb888) {
         write_text(self, font, text, Point::new(at.0, at.1), colour);
     }
 
@@ -304,7 +304,7 @@ impl Canvas {
     }
 
     /// Text that runs upwards from `at`, its bottom left corner when turned.
-    pub(super) fn upright(
+    pub(crate) fn upright(
         &mut self,
         font: &MonoFont<'_>,
         text: &str,
@@ -314,7 +314,7 @@ impl Canvas {
         write_text(&mut Upright { canvas: self, at }, font, text, Point::zero(), colour);
     }
 
-    pub(super) fn write(&self, path: &Path) -> anyhow::Result<()> {
+    pub(crate) fn write(&self, path: &Path) -> anyhow::Result<()> {
         // Beside its place first: a failure leaves what was there.
         let mut part = path.as_os_str().to_owned();
         part.push(".part");

@@ -4,7 +4,7 @@ use embedded_graphics::pixelcolor::{Rgb888, RgbColor};
 
 pub(super) const WHITE: Rgb888 = Rgb888::new(255, 255, 255);
 
-pub(super) const DARK: Rgb888 = Rgb888::new(24, 24, 28);
+pub(crate) const DARK: Rgb888 = Rgb888::new(24, 24, 28);
 
 /// Greys of the first and the last class of [`ColourMap::Shades`].
 const DARKEST_CLASS: f64 = 64.0;
@@ -91,7 +91,7 @@ pub(crate) enum Ink {
 }
 
 impl Ink {
-    pub(super) fn rgb(self) -> Rgb888 {
+    pub(crate) fn rgb(self) -> Rgb888 {
         match self {
             Self::Orange => Rgb888::new(230, 159, 0),
             Self::SkyBlue => Rgb888::new(86, 180, 233),

@@ -153,7 +153,7 @@ pub(super) fn candidates(centre: (f32, f32), size: (i32, i32)) -> Vec<Area> {
 }
 
 /// The pieces of a line that are drawn.
-pub(super) fn pieces(points: &[Point2], style: Stroke) -> Vec<(Point2, Point2)> {
+pub(crate) fn pieces(points: &[Point2], style: Stroke) -> Vec<(Point2, Point2)> {
     if let [only] = points {
         return vec![(*only, *only)];
     }

@@ -3,17 +3,17 @@
 //!
 //! The same figure gives the same bytes, at any thread count.
 
-mod axis;
-mod canvas;
-mod colour;
+pub(crate) mod axis;
+pub(crate) mod canvas;
+pub(crate) mod colour;
 mod frame;
 mod key;
 mod legend;
 mod map;
-mod marks;
+pub(crate) mod marks;
 mod mesh;
 mod surface;
-mod text;
+pub(crate) mod text;
 
 pub(crate) use axis::Axes;
 pub(crate) use colour::{ColourMap, Ink};

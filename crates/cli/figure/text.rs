@@ -5,21 +5,21 @@ use embedded_graphics::mono_font::{
     iso_8859_1::{FONT_9X15, FONT_9X15_BOLD, FONT_10X20},
 };
 
-pub(super) const TITLE: &MonoFont<'_> = &FONT_10X20;
+pub(crate) const TITLE: &MonoFont<'_> = &FONT_10X20;
 
-pub(super) const BODY: &MonoFont<'_> = &FONT_9X15;
+pub(crate) const BODY: &MonoFont<'_> = &FONT_9X15;
 
 pub(super) const LABEL: &MonoFont<'_> = &FONT_9X15_BOLD;
 
-pub(super) fn advance(font: &MonoFont<'_>) -> i32 {
+pub(crate) fn advance(font: &MonoFont<'_>) -> i32 {
     (font.character_size.width + font.character_spacing) as i32
 }
 
-pub(super) fn line_height(font: &MonoFont<'_>) -> i32 {
+pub(crate) fn line_height(font: &MonoFont<'_>) -> i32 {
     font.character_size.height as i32
 }
 
-pub(super) fn width(font: &MonoFont<'_>, text: &str) -> i32 {
+pub(crate) fn width(font: &MonoFont<'_>, text: &str) -> i32 {
     text.chars().count() as i32 * advance(font)
 }
 
@@ -28,7 +28,7 @@ pub(super) fn widest<'t>(font: &MonoFont<'_>, texts: impl Iterator<Item = &'t st
 }
 
 /// The text as the fonts can draw it.
-pub(super) fn latin(text: &str) -> String {
+pub(crate) fn latin(text: &str) -> String {
     let mut out = String::new();
     for c in text.chars() {
         match c {
@@ -50,7 +50,7 @@ pub(super) fn latin(text: &str) -> String {
 }
 
 /// The text, or as much of it as fits in `most` characters with `..` at its end.
-pub(super) fn fit(text: &str, most: usize) -> String {
+pub(crate) fn fit(text: &str, most: usize) -> String {
     if text.chars().count() <= most {
         return text.to_owned();
     }
@@ -58,7 +58,7 @@ pub(super) fn fit(text: &str, most: usize) -> String {
 }
 
 /// Lines of at most `most` characters, broken between words.
-pub(super) fn wrap(text: &str, most: usize) -> Vec<String> {
+pub(crate) fn wrap(text: &str, most: usize) -> Vec<String> {
     let mut lines = Vec::new();
     for paragraph in text.lines() {
         let mut line = String::new();

@@ -1,6 +1,6 @@
 //! Layers derived from elevation cell by cell.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use wisdom_grid::{GridSpec, Raster, Window};
 use wisdom_planner::{Preset, Traversability, Vehicle};

@@ -1,11 +1,19 @@
 //! Many runs of the same worlds: one mission under several rules and seeds, and how their goal sequences
 //! differ.
 
+mod plan;
+mod row;
+mod table;
+
 use rayon::prelude::*;
 use wisdom_goals::Action;
 use wisdom_grid::Cell;
 
 use crate::{Memory, Mission, RunError, RunSummary, run};
+
+pub use plan::{CampaignError, Case, MAX_RUNS, MAX_SEED, Plan, Variant};
+pub use row::{GoalRow, LegRow, ROW_VERSION, Row, RowResult, RunRow};
+pub use table::{METRICS, Metric, PairedTable, table};
 
 /// One finished run.
 #[derive(Debug, Clone)]

@@ -9,12 +9,15 @@ mod ground;
 mod mission;
 mod recorder;
 mod ruler;
+pub mod statistics;
 mod supply;
 mod truth;
 mod world;
 
 pub use campaign::{
-    CampaignRun, Places, first_difference, first_divergent_decision, jaccard, kendall_tau, run_all,
+    CampaignError, CampaignRun, Case, GoalRow, LegRow, MAX_RUNS, MAX_SEED, METRICS, Metric,
+    PairedTable, Places, Plan, ROW_VERSION, Row, RowResult, RunRow, Variant, first_difference,
+    first_divergent_decision, jaccard, kendall_tau, run_all, table,
 };
 pub use closed_loop::{Achievement, LegRecord, Progress, RunError, RunStatus, RunSummary, run};
 pub use error::MissionError;

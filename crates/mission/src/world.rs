@@ -192,12 +192,11 @@ impl World {
     /// [`TerrainError`] if the ground there cannot be read or judged.
     pub fn step(&self, from: Cell, to: Cell) -> Result<Option<Step>, TerrainError> {
         let near;
-        let ground = match &self.ground {
-            Some(ground) => ground,
-            None => {
-                near = self.judged_near(from)?;
-                &near
-            }
+        let ground = if let Some(ground) = &self.ground {
+            ground
+        } else {
+            near = self.judged_near(from)?;
+            &near
         };
         let Some(cost) = ground.edge(from, to) else { return Ok(None) };
         let rise_m = match (ground.height_m(from), ground.height_m(to)) {

@@ -1,0 +1,32 @@
+//! Charts of a campaign's statistics, as SVG and as PNG from one description: a [`ReliabilityDiagram`], and [`Intervals`]
+//! for means by group and for paired differences.
+//!
+//! A chart lays itself out as a [`Drawing`], a list of lines, areas, discs and texts in pixels, and a drawing is written
+//! either way. Text is measured once, in the bitmap fonts that the pictures of maps use: a fresh machine needs no fonts
+//! of its own for a PNG, and an SVG keeps its text as text, told to be as long as measured, so that nothing
+//! overlaps in either. The same chart gives the same bytes.
+
+mod drawing;
+mod intervals;
+mod reliability;
+mod scale;
+mod svg;
+
+pub(crate) use drawing::Drawing;
+pub(crate) use intervals::Intervals;
+pub(crate) use reliability::ReliabilityDiagram;
+
+/// White border around everything, pixels.
+const MARGIN: i32 = 18;
+/// Space between the parts of a chart, pixels.
+const GAP: i32 = 10;
+/// Length of a tick, pixels.
+const TICK: i32 = 6;
+/// Width of what is plotted, pixels.
+const PLOT: i32 = 440;
+/// Half the width of a whisker, pixels.
+const WHISKER: f32 = 1.25;
+/// Radius of a dot, pixels.
+const DOT: f32 = 5.0;
+/// From the middle of a whisker to the end of its cap, pixels.
+const CAP: f32 = 5.0;
