@@ -234,16 +234,27 @@ fn tell_choice(
         }
         _ => "proven".to_owned(),
     };
+    // Logs of decision versions before 3 know no fronts: there every member is the best of its set.
+    let is_way = |(i, option): &(usize, &record::PlanOption)| {
+        option.front_plans > 0 && option.front_best as usize != *i
+    };
+    let sets = objective.family.iter().enumerate().filter(|member| !is_way(member)).count();
     for (i, option) in objective.family.iter().enumerate() {
         let chosen = i == choice.chosen as usize;
-        if !full && !chosen {
+        let way = is_way(&(i, option));
+        let of_chosen = option.front_best == choice.chosen;
+        if !chosen && (!full || way && !of_chosen) {
             continue;
         }
         let s = option.sequence.clone().unwrap_or_default();
         writeln!(
             out,
             "  {}     {} (value {:.3}, prize {:.3}, reliability {:.4}, {}, {:.2} MJ){}",
-            if chosen { "chose " } else { "or    " },
+            match (chosen, way) {
+                (true, _) => "chose ",
+                (false, true) => "way   ",
+                (false, false) => "or    ",
+            },
             order(&s),
             s.value,
             s.prize,
@@ -251,7 +262,13 @@ fn tell_choice(
             clock(s.time_s),
             s.energy_j / 1e6,
             if chosen {
-                format!(", out of {}, {proof}", objective.family.len())
+                let others = option.front_plans.saturating_sub(1);
+                let ways = match (others, option.front_complete) {
+                    (0, _) => String::new(),
+                    (n, true) => format!(" ({n} more ways to drive it)"),
+                    (n, false) => format!(" ({n} more ways to drive it at least)"),
+                };
+                format!(", out of {sets}, {proof}{ways}")
             } else {
                 String::new()
             }

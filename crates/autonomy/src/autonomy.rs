@@ -5,22 +5,26 @@ use std::collections::BTreeMap;
 use wisdom_fusion::credit;
 use wisdom_goals::{
     Approach, CausalGraph, Event, FactSet, Goal, GoalId, GoalManager, GoalSequence, Limits, Poses,
-    Problem, Selection, Shortlist, Survey, poses,
+    Problem, Selection, Shortlist, Survey, plan_front, poses,
 };
 use wisdom_grid::{Cell, Window};
 use wisdom_planner::{
     Budget as PlanBudget, CostVector, Field, FieldOptions, Leg, Limits as DriveLimits, Plan, Route,
-    Service, TravelMatrix, field, travel_matrix, validate,
+    Service, TravelCache, TravelMatrix, TravelOptions, Weights, field, validate,
 };
 
 use crate::maps::Digester;
 use crate::{
-    Act, AutonomyError, Decision, Digest, Digests, Knowledge, MIN_WORKING_CELLS, Maps, Objectives,
-    Observation, Outcome, PlanOption, Pose, RoverState, Source, Spec, Spent, StepResult, Trigger,
+    Act, AutonomyError, Decision, Digest, Digests, FrontOf, Knowledge, MIN_WORKING_CELLS, Maps,
+    Objectives, Observation, Outcome, PlanOption, Pose, RoverState, Source, Spec, Spent,
+    StepResult, Trigger,
 };
 
 /// λ of the net-benefit objective (DESIGN: λ = 1, μ = 0).
 const NET_RISK: f64 = 1.0;
+
+/// Ways kept after each goal of an order while its front is worked out.
+const FRONT_LABELS: usize = 500;
 
 /// Cells around a goal whose ground decides whether a place given up may be tried again.
 const LOCAL_GROUND: usize = 8;
@@ -43,6 +47,8 @@ pub struct Autonomy {
     knowledge: Knowledge,
     working: Window,
     maps: Option<Maps>,
+    /// Routes between poses, kept where the ground did not change: they save time and change nothing.
+    travel: TravelCache,
     manager: GoalManager,
     facts: FactSet,
     pose: Pose,
@@ -101,6 +107,7 @@ impl Autonomy {
             knowledge,
             working,
             maps: None,
+            travel: TravelCache::new(),
             manager,
             facts,
             pose,
@@ -263,7 +270,9 @@ impl Autonomy {
         self.manager.give_up_unreachable(&poses, &survey, &mut revision);
         let shortlist = self.manager.shortlist(&poses);
         let (nodes, nodes_of) = nodes(self.pose.cell, &shortlist, &poses);
-        let travel = travel_matrix(&maps.ground, &nodes, DriveLimits::NONE);
+        let weights = Weights::sweep(&maps.ground, self.spec.routes.alternatives - 1);
+        let options = TravelOptions { limits: DriveLimits::NONE, weights: &weights };
+        let travel = self.travel.travel(&maps.ground, &nodes, &options);
         let candidates = self.manager.candidates(&shortlist, &nodes_of);
         let directives = self.manager.directives().to_vec();
         let problem = Problem {
@@ -282,7 +291,7 @@ impl Autonomy {
         let committed_value = selection.committed.as_ref().map(|s| s.value);
         let verdicts =
             self.manager.commit(revision, &selection, &shortlist, &poses, &problem, map_changed);
-        let family = self.family(maps, &selection, &travel, &nodes, &limits)?;
+        let family = self.family(maps, &selection, &problem, &nodes)?;
         let chosen = selection.chosen;
         let (act, act_cost) = self.act(maps, &reach, &family[chosen], &limits);
         self.embark(&act, &family[chosen]);
@@ -502,37 +511,58 @@ impl Autonomy {
             .collect()
     }
 
-    /// The plans of the family, each validated by arithmetic of its own.
+    /// The plans of the family, each validated by arithmetic of its own: the best of each set, then what else is on
+    /// the fronts of their orders.
     fn family(
         &self,
         maps: &Maps,
         selection: &Selection,
-        travel: &TravelMatrix,
+        problem: &Problem<'_>,
         nodes: &[Cell],
-        limits: &Limits,
     ) -> Result<Vec<PlanOption>, AutonomyError> {
+        let mut family = Vec::new();
+        let mut others = Vec::new();
+        for (best, sequence) in selection.family.iter().enumerate() {
+            let order: Vec<GoalId> = sequence.goals().collect();
+            let found = plan_front(problem, &order, FRONT_LABELS);
+            let front = FrontOf { best, plans: found.plans.len(), complete: found.complete };
+            family.push(self.option(maps, problem, nodes, sequence, front)?);
+            let mut rest = found.plans;
+            rest.retain(|plan| !drives_alike(plan, sequence));
+            for plan in spread(&rest, self.spec.routes.front - 1) {
+                others.push(self.option(maps, problem, nodes, plan, front)?);
+            }
+        }
+        family.append(&mut others);
+        Ok(family)
+    }
+
+    /// A member of the family, validated.
+    fn option(
+        &self,
+        maps: &Maps,
+        problem: &Problem<'_>,
+        nodes: &[Cell],
+        sequence: &GoalSequence,
+        front: FrontOf,
+    ) -> Result<PlanOption, AutonomyError> {
+        let limits = &problem.limits;
         let budget = PlanBudget {
             time_s: limits.time_s,
             energy_j: limits.energy_j,
             min_reliability: limits.min_reliability,
         };
-        selection
-            .family
-            .iter()
-            .map(|sequence| {
-                let plan = plan(self.pose.cell, sequence, travel, nodes);
-                validate(&plan, &maps.ground, &self.spec.vehicle, &budget).map_err(
-                    |violation| AutonomyError::InvalidPlan { why: violation.to_string() },
-                )?;
-                let state = self.manager.state();
-                let directive_of =
-                    |goal: GoalId| self.manager.directives()[state.goals[&goal].directive].clone();
-                CausalGraph::new(sequence, &self.spec.domain, self.facts, directive_of)
-                    .map_err(|error| AutonomyError::InvalidPlan { why: error.to_string() })?;
-                let objectives = objectives(sequence, limits.min_reliability);
-                Ok(PlanOption { sequence: sequence.clone(), plan, objectives })
-            })
-            .collect()
+        let invalid = |why: String| AutonomyError::InvalidPlan { why };
+        let plan = plan(self.pose.cell, sequence, problem.travel, nodes);
+        validate(&plan, &maps.ground, &self.spec.vehicle, &budget)
+            .map_err(|violation| invalid(violation.to_string()))?;
+        let state = self.manager.state();
+        let directive_of =
+            |goal: GoalId| self.manager.directives()[state.goals[&goal].directive].clone();
+        CausalGraph::new(sequence, &self.spec.domain, self.facts, directive_of)
+            .map_err(|error| invalid(error.to_string()))?;
+        let objectives = objectives(sequence, limits.min_reliability);
+        Ok(PlanOption { sequence: sequence.clone(), plan, objectives, front })
     }
 
     /// The first leg of the chosen plan; without one, the next thing in the order look, home, wait.
@@ -664,6 +694,23 @@ fn plan(start: Cell, sequence: &GoalSequence, travel: &TravelMatrix, nodes: &[Ce
         })
         .collect();
     Plan::new(start, legs)
+}
+
+/// Whether two plans for one order stop at the same poses and take the same ways there.
+fn drives_alike(a: &GoalSequence, b: &GoalSequence) -> bool {
+    let way = |plan: &GoalSequence| -> Vec<(usize, usize)> {
+        plan.stops.iter().map(|stop| (stop.pose, stop.alternative)).collect()
+    };
+    way(a) == way(b)
+}
+
+/// At most so many of the plans, at even steps from the first to the last.
+fn spread(plans: &[GoalSequence], most: usize) -> Vec<&GoalSequence> {
+    if plans.len() <= most {
+        return plans.iter().collect();
+    }
+    let steps = most.saturating_sub(1).max(1);
+    (0..most).map(|index| &plans[index * (plans.len() - 1) / steps]).collect()
 }
 
 fn objectives(sequence: &GoalSequence, floor: f64) -> Objectives {

@@ -171,6 +171,20 @@ pub struct PlanOption {
     pub plan: Plan,
     /// What it is worth.
     pub objectives: Objectives,
+    /// The front that it is one of.
+    pub front: FrontOf,
+}
+
+/// The plans for one order of goals that no other one matches or beats in time, energy and −ln R at once.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct FrontOf {
+    /// The member of the family that is best for this order by the mission's policy; its own index if it is that one.
+    pub best: usize,
+    /// Plans on the front, of the poses and leg alternatives there are; the family holds some of them, spread evenly
+    /// from the most to the least reliable, where they are more than [`crate::RouteSpec::front`].
+    pub plans: usize,
+    /// Whether these are all; if not, more ways were met than were kept.
+    pub complete: bool,
 }
 
 /// Digests of the maps a decision was made from, stage by stage.
@@ -230,7 +244,7 @@ pub struct Decision {
     pub verdicts: Vec<Verdict>,
     /// Which goals were sequenced exactly.
     pub shortlist: Shortlist,
-    /// The family of plans, best first.
+    /// The family of plans: the best of each set of goals, best first, then the others of their fronts.
     pub family: Vec<PlanOption>,
     /// Index of the plan chosen.
     pub chosen: usize,

@@ -9,7 +9,9 @@ mod observation;
 mod spec;
 
 pub use autonomy::Autonomy;
-pub use decision::{Act, Decision, Digest, Digests, Objectives, PlanOption, RoverState, Trigger};
+pub use decision::{
+    Act, Decision, Digest, Digests, FrontOf, Objectives, PlanOption, RoverState, Trigger,
+};
 pub use error::AutonomyError;
 pub use knowledge::Knowledge;
 pub use maps::Maps;

@@ -3,6 +3,7 @@
 mod approach;
 mod causal;
 mod directive;
+mod front;
 mod goal;
 mod manager;
 mod objective;
@@ -14,6 +15,7 @@ mod strips;
 pub use approach::{Approach, poses};
 pub use causal::{CausalGraph, PlanError};
 pub use directive::Directive;
+pub use front::{PlanFront, plan_front};
 pub use goal::{Action, Cause, Goal, GoalId, Reason, Status, Term, Verdict};
 pub use manager::{
     Event, GoalManager, ManagerSpec, ManagerState, Poses, Retired, Revision, Selection, Shortlist,

@@ -1,8 +1,10 @@
 #![doc = include_str!("../README.md")]
 
+mod astar;
 mod cost;
 mod error;
 mod field;
+mod front;
 mod matrix;
 mod plan;
 mod preset;
@@ -11,10 +13,12 @@ mod traversability;
 mod validate;
 mod vehicle;
 
+pub use astar::{Found, Router, route};
 pub use cost::CostVector;
 pub use error::PlannerError;
-pub use field::{Field, FieldOptions, Limits, field};
-pub use matrix::{TravelMatrix, travel_matrix};
+pub use field::{Field, FieldOptions, Limits, WeighedField, WeighedGround, Weights, field};
+pub use front::{Front, FrontOptions, front, non_dominated};
+pub use matrix::{TravelCache, TravelMatrix, TravelOptions, travel_alternatives, travel_matrix};
 pub use plan::{Leg, Plan, PlanFamily, Service};
 pub use preset::Preset;
 pub use route::Route;

@@ -1,6 +1,8 @@
 //! The search finds what an independent one finds, whatever its queue, its limits and the number of threads.
 
-use pathfinding::num_traits::Zero;
+mod drawn;
+
+use drawn::{Total, any_ground, pick, with_ground};
 use pathfinding::prelude::dijkstra_all;
 use proptest::prelude::*;
 use wisdom_grid::{Cell, GridSpec, Raster};
@@ -8,42 +10,6 @@ use wisdom_planner::{
     CostVector, FieldOptions, Ground, Limits, Route, Traversability, Vehicle, field, travel_matrix,
 };
 use wisdom_terrain::Layer;
-
-/// A sum that orders, as `pathfinding` asks for.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Total(f64);
-
-impl Eq for Total {}
-
-impl PartialOrd for Total {
-    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl Ord for Total {
-    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
-        self.0.total_cmp(&other.0)
-    }
-}
-
-impl std::ops::Add for Total {
-    type Output = Self;
-
-    fn add(self, other: Self) -> Self {
-        Self(self.0 + other.0)
-    }
-}
-
-impl Zero for Total {
-    fn zero() -> Self {
-        Self(0.0)
-    }
-
-    fn is_zero(&self) -> bool {
-        self.0 == 0.0
-    }
-}
 
 /// The neighbours that may be entered, and −ln R of the step; written from the rules, not from the crate.
 fn successors(ground: &Traversability, from: Cell) -> Vec<(Cell, Total)> {
@@ -61,46 +27,6 @@ fn successors(ground: &Traversability, from: Cell) -> Vec<(Cell, Total)> {
             (to, Total(half * sum))
         })
         .collect()
-}
-
-/// Hazards as powers of ten above the floor: all equal, a few values (many ties), many, or a span for the heap.
-fn any_ground() -> impl Strategy<Value = Ground> {
-    (1..13usize, 1..13usize, 0..4usize).prop_flat_map(|(rows, cols, kind)| {
-        let cells = rows * cols;
-        (
-            prop::collection::vec(0.0..1.0f32, cells),
-            prop::collection::vec(prop::bool::weighted(0.25), cells),
-            prop::collection::vec(0.0..0.2f32, cells),
-        )
-            .prop_map(move |(draws, blocked, heights)| {
-                let spec = GridSpec::new(rows, cols, 0.5).expect("a small grid");
-                let hazard = |draw: f32| match kind {
-                    0 => 1e-4,
-                    1 => 1e-4 * (1.0 + (3.0 * draw).floor()),
-                    2 => 1e-4 * (1.0 + 99.0 * draw),
-                    _ => 1e-6 * 10f32.powf(6.0 * draw),
-                };
-                let hazard_per_m = Raster::from_vec(spec, draws.into_iter().map(hazard).collect());
-                Ground {
-                    elevation: Layer::certain(
-                        Raster::from_vec(spec, heights).expect("a height a cell"),
-                    )
-                    .expect("heights are finite"),
-                    blocked: Raster::from_vec(spec, blocked).expect("a value a cell"),
-                    severity: Raster::filled(spec, 0.0),
-                    hazard_per_m: hazard_per_m.expect("a hazard a cell"),
-                }
-            })
-    })
-}
-
-fn with_ground(ground: Ground) -> Traversability {
-    Traversability::from_ground(&Vehicle::default(), ground).expect("hazards are positive")
-}
-
-/// A cell of the grid, from a draw in [0, 1).
-fn pick(ground: &Traversability, draw: f64) -> Cell {
-    ground.spec().cell((draw * ground.spec().len() as f64) as usize)
 }
 
 fn all() -> FieldOptions<'static> {
@@ -346,4 +272,28 @@ fn a_cell_whose_most_reliable_route_is_over_the_limit_counts_as_unreached() {
     let limits = Limits { max_time_s: free.time_s - 1.0, ..Limits::NONE };
     let bound = field(&ground, source, &FieldOptions { limits, ..all() });
     assert_eq!(bound.cost(target), None);
+}
+
+/// Labels that rounding makes equal must not lead in a circle.
+#[test]
+fn steps_too_small_to_add_to_a_label_still_make_routes() {
+    let spec = GridSpec::new(5, 6, 1.0).expect("a small grid");
+    let source = Cell::new(2, 3);
+    let ground = with_ground(Ground {
+        elevation: Layer::certain(Raster::filled(spec, 0.0)).expect("heights are finite"),
+        blocked: Raster::filled(spec, false),
+        severity: Raster::filled(spec, 0.0),
+        hazard_per_m: Raster::from_fn(spec, |cell| if cell == source { 1e12 } else { 1e-8 }),
+    });
+    let whole = field(&ground, source, &all());
+    let targets = [Cell::new(0, 0), Cell::new(4, 5)];
+    let part = field(&ground, source, &FieldOptions { targets: Some(&targets), ..all() });
+    for cell in spec.cells() {
+        let route = whole.route(cell).expect("nothing is in the way");
+        assert_eq!(whole.neg_ln_r(cell), Some(route.cost.neg_ln_r));
+    }
+    assert_eq!(whole.neg_ln_r(targets[0]), whole.neg_ln_r(Cell::new(1, 3)), "rounded away");
+    for target in targets {
+        assert_eq!(part.route(target), whole.route(target));
+    }
 }

@@ -301,6 +301,9 @@ fn option(option: &core::PlanOption, setting: &Setting) -> PlanOption {
         legs: option.plan.legs.iter().map(leg_summary).collect(),
         total: Some(option.plan.total.into()),
         objectives: Some(objectives(option.objectives)),
+        front_best: option.front.best as u32,
+        front_plans: option.front.plans as u32,
+        front_complete: option.front.complete,
     }
 }
 

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 
 use wisdom_autonomy::{
-    Act, Decision, Digest, Digests, LayerWindow, Objectives, Observation, Outcome, PlanOption,
-    Pose, RoverState, Spent, StepResult, Trigger,
+    Act, Decision, Digest, Digests, FrontOf, LayerWindow, Objectives, Observation, Outcome,
+    PlanOption, Pose, RoverState, Spent, StepResult, Trigger,
 };
 use wisdom_goals::{
     Action, Cause, Event, Expansion, FactSet, Goal, GoalId, GoalSequence, ManagerState, Proof,
@@ -175,11 +175,13 @@ pub(crate) fn decision(number: u32) -> Decision {
         chance_constrained: 0.8,
         net_benefit: f64::NEG_INFINITY,
     };
-    let chosen = PlanOption { sequence: sequence(number), plan: plan(number), objectives };
+    let front = FrontOf { best: 0, plans: 1, complete: true };
+    let chosen = PlanOption { sequence: sequence(number), plan: plan(number), objectives, front };
     let idle = PlanOption {
         sequence: GoalSequence::empty(),
         plan: Plan::new(pose(number).cell, Vec::new()),
         objectives,
+        front: FrontOf { best: 1, ..front },
     };
     Decision {
         number,
