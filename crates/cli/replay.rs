@@ -262,11 +262,10 @@ fn tell_choice(
             clock(s.time_s),
             s.energy_j / 1e6,
             if chosen {
-                let others = option.front_plans.saturating_sub(1);
-                let ways = match (others, option.front_complete) {
-                    (0, _) => String::new(),
-                    (n, true) => format!(" ({n} more ways to drive it)"),
-                    (n, false) => format!(" ({n} more ways to drive it at least)"),
+                let ways = match (option.front_plans, option.front_complete) {
+                    (0 | 1, _) => String::new(),
+                    (n, true) => format!("; its order has a front of {n} plans"),
+                    (n, false) => format!("; its order has a front of {n} plans at least"),
                 };
                 format!(", out of {sets}, {proof}{ways}")
             } else {
