@@ -57,6 +57,7 @@ pub(crate) fn run(args: &CheckArgs) -> anyhow::Result<ExitCode> {
         "  fusion      rule {}, statistic {}, prize {}, policy {}, seed {}",
         spec.fusion.rule, spec.fusion.statistic, spec.prize, spec.policy, mission.seed
     )?;
+    write_rover(&mut out, &mission)?;
     for layer in &spec.layers {
         let source = match layer.source {
             Source::Measured(_) => "measured",
@@ -97,6 +98,33 @@ pub(crate) fn run(args: &CheckArgs) -> anyhow::Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
+/// What the rover is, which ways are weighed, and what may break.
+fn write_rover(out: &mut dyn Write, mission: &Mission) -> std::io::Result<()> {
+    let spec = &mission.spec;
+    let v = &spec.vehicle;
+    let classes: Vec<String> =
+        v.slip_class.iter().map(|c| format!("{} {}", c.class, c.name).trim().to_owned()).collect();
+    let slip = match &spec.slip_layer {
+        Some(layer) => format!("by {layer} ({})", classes.join(", ")),
+        None => "the same everywhere".to_owned(),
+    };
+    writeln!(
+        out,
+        "  vehicle     {} kg, slopes to {}\u{b0}, steps to {} m, risk level {}, slip {slip}",
+        v.mass_kg, v.slope_max_deg, v.step_max_m, v.risk_level
+    )?;
+    let ways = match spec.routes.alternatives {
+        1 => "the most reliable way of each leg".to_owned(),
+        n => format!("up to {n} ways of each leg"),
+    };
+    writeln!(out, "  routes      {ways}, up to {} plans of an order", spec.routes.front)?;
+    for fault in &mission.world.execution().faults {
+        let (name, kind, p) = (&fault.name, fault.kind.name(), fault.probability);
+        writeln!(out, "  fault       {name} ({kind}), in {p} of all missions")?;
+    }
+    Ok(())
+}
+
 /// What is allowed and yet may not be meant.
 fn remarks(mission: &Mission) -> Vec<String> {
     let mut remarks = Vec::new();
@@ -114,5 +142,40 @@ fn remarks(mission: &Mission) -> Vec<String> {
             remarks.push(format!("layer `{}`: no instrument reads it", layer.name));
         }
     }
+    let spec = &mission.spec;
+    match &spec.slip_layer {
+        None if mission_lists_classes(mission) => remarks.push(
+            "rover.vehicle.slip-class has no effect: no rover.slip-layer says where the classes are"
+                .to_owned(),
+        ),
+        None => {}
+        Some(layer) => {
+            let known = mission.world.classes(layer).unwrap_or_default();
+            for listed in &spec.vehicle.slip_class {
+                if !known.contains(&(listed.class as f32)) {
+                    let class = listed.class;
+                    remarks.push(format!("slip class {class}: layer `{layer}` has no such class"));
+                }
+            }
+        }
+    }
+    for fault in &mission.world.execution().faults {
+        let name = &fault.name;
+        if fault.between_s.0 >= spec.budget.time_s {
+            remarks.push(format!("fault `{name}`: it strikes after the time budget, so never"));
+        }
+        if fault.lasts_s == 0.0 {
+            remarks.push(format!("fault `{name}`: it lasts no time, so it does nothing"));
+        }
+    }
     remarks
+}
+
+/// Whether the mission itself, not a preset, lists slip classes.
+fn mission_lists_classes(mission: &Mission) -> bool {
+    let file = mission.files.get(wisdom_mission::MISSION_FILE);
+    let text = file.and_then(|bytes| std::str::from_utf8(bytes).ok()).unwrap_or_default();
+    let table = text.parse::<toml::Table>().unwrap_or_default();
+    let vehicle = table.get("rover").and_then(|rover| rover.get("vehicle"));
+    vehicle.is_some_and(|vehicle| vehicle.get("slip-class").is_some())
 }

@@ -247,14 +247,23 @@ fn tell_choice(
             continue;
         }
         let s = option.sequence.clone().unwrap_or_default();
+        if way && !chosen {
+            let length_m = option.total.as_ref().map_or(0.0, |cost| cost.length_m);
+            writeln!(
+                out,
+                "  or, the same order over other poses and routes (value {:.3}, reliability {:.4}, {}, {:.2} MJ, \
+                 {length_m:.0} m)",
+                s.value,
+                s.reliability,
+                clock(s.time_s),
+                s.energy_j / 1e6
+            )?;
+            continue;
+        }
         writeln!(
             out,
             "  {}     {} (value {:.3}, prize {:.3}, reliability {:.4}, {}, {:.2} MJ){}",
-            match (chosen, way) {
-                (true, _) => "chose ",
-                (false, true) => "way   ",
-                (false, false) => "or    ",
-            },
+            if chosen { "chose " } else { "or    " },
             order(&s),
             s.value,
             s.prize,
@@ -267,7 +276,7 @@ fn tell_choice(
                     (n, true) => format!("; its order has a front of {n} plans"),
                     (n, false) => format!("; its order has a front of {n} plans at least"),
                 };
-                format!(", out of {sets}, {proof}{ways}")
+                format!(", out of {sets} {}, {proof}{ways}", if sets == 1 { "set" } else { "sets" })
             } else {
                 String::new()
             }

@@ -105,7 +105,7 @@ pub(crate) fn read_map(file: &str, text: &str) -> Result<Raster<bool>, ReadError
     if !lines.keyed(3, "map", "`map`")?.is_empty() {
         return Err(lines.error(3, quoted(lines.lines[3]), "`map`"));
     }
-    let mut blocked = Vec::with_capacity(rows * cols);
+    let mut blocked = Vec::with_capacity((rows * cols).min(text.len()));
     for row in HEADER..HEADER + rows {
         let line = lines.line(row, &format!("row {} of {rows}", row + 1 - HEADER))?;
         for (col, sign) in line.chars().enumerate() {

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use wisdom_fusion::credit;
 use wisdom_goals::{
     Approach, CausalGraph, Event, FactSet, Goal, GoalId, GoalManager, GoalSequence, Limits, Poses,
-    Problem, Selection, Shortlist, Survey, plan_front, poses,
+    Problem, Selection, Shortlist, Survey, poses,
 };
 use wisdom_grid::{Cell, Window};
 use wisdom_planner::{
@@ -22,9 +22,6 @@ use crate::{
 
 /// λ of the net-benefit objective (DESIGN: λ = 1, μ = 0).
 const NET_RISK: f64 = 1.0;
-
-/// Ways kept after each goal of an order while its front is worked out.
-const FRONT_LABELS: usize = 500;
 
 /// Cells around a goal whose ground decides whether a place given up may be tried again.
 const LOCAL_GROUND: usize = 8;
@@ -522,13 +519,12 @@ impl Autonomy {
     ) -> Result<Vec<PlanOption>, AutonomyError> {
         let mut family = Vec::new();
         let mut others = Vec::new();
-        for (best, sequence) in selection.family.iter().enumerate() {
-            let order: Vec<GoalId> = sequence.goals().collect();
-            let found = plan_front(problem, &order, FRONT_LABELS);
+        for (best, (sequence, found)) in selection.family.iter().zip(&selection.fronts).enumerate()
+        {
             let front = FrontOf { best, plans: found.plans.len(), complete: found.complete };
             family.push(self.option(maps, problem, nodes, sequence, front)?);
-            let mut rest = found.plans;
-            rest.retain(|plan| !drives_alike(plan, sequence));
+            let rest: Vec<&GoalSequence> =
+                found.plans.iter().filter(|plan| !drives_alike(plan, sequence)).collect();
             for plan in spread(&rest, self.spec.routes.front - 1) {
                 others.push(self.option(maps, problem, nodes, plan, front)?);
             }
@@ -705,12 +701,12 @@ fn drives_alike(a: &GoalSequence, b: &GoalSequence) -> bool {
 }
 
 /// At most so many of the plans, at even steps from the first to the last.
-fn spread(plans: &[GoalSequence], most: usize) -> Vec<&GoalSequence> {
+fn spread<'a>(plans: &[&'a GoalSequence], most: usize) -> Vec<&'a GoalSequence> {
     if plans.len() <= most {
-        return plans.iter().collect();
+        return plans.to_vec();
     }
     let steps = most.saturating_sub(1).max(1);
-    (0..most).map(|index| &plans[index * (plans.len() - 1) / steps]).collect()
+    (0..most).map(|index| plans[index * (plans.len() - 1) / steps]).collect()
 }
 
 fn objectives(sequence: &GoalSequence, floor: f64) -> Objectives {

@@ -121,7 +121,7 @@ pub struct RouteSpec {
 
 impl Default for RouteSpec {
     fn default() -> Self {
-        Self { alternatives: 1, front: 8 }
+        Self { alternatives: 1, front: 64 }
     }
 }
 

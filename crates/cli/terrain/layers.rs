@@ -294,16 +294,29 @@ fn vehicle(args: &TraversabilityArgs) -> anyhow::Result<Vehicle> {
         return Ok(preset.vehicle());
     }
     let name = path.display();
-    let text = std::fs::read_to_string(path)
-        .map_err(|error| InputError(format!("--vehicle {name}: {error}")))?;
-    // The keys alone, or as they stand in a mission.
-    let table: toml::Table =
-        toml::from_str(&text).map_err(|error| InputError(format!("--vehicle {name}: {error}")))?;
-    let inner = table.get("rover").and_then(|rover| rover.get("vehicle")).cloned();
-    let vehicle: Vehicle = inner
-        .unwrap_or_else(|| table.into())
-        .try_into()
-        .map_err(|error| InputError(format!("--vehicle {name}: {error}")))?;
+    let wrong = |error: &dyn std::fmt::Display| InputError(format!("--vehicle {name}: {error}"));
+    let text = std::fs::read_to_string(path).map_err(|error| {
+        let presets: Vec<&str> = Preset::all().iter().map(|preset| preset.name()).collect();
+        wrong(&format!("neither a preset ({}) nor a file: {error}", presets.join(", ")))
+    })?;
+    // The keys alone, or as they stand in a mission: there a preset may lie under them.
+    let table: toml::Table = toml::from_str(&text).map_err(|error| wrong(&error))?;
+    let (preset, keys) = match table.get("rover").and_then(toml::Value::as_table) {
+        Some(rover) => {
+            let keys = rover.get("vehicle").and_then(toml::Value::as_table).cloned();
+            (rover.get("preset").cloned(), keys.unwrap_or_default())
+        }
+        None => (None, table),
+    };
+    let mut whole = match preset {
+        Some(preset) => {
+            let name = preset.as_str().ok_or_else(|| wrong(&"rover.preset is no text"))?;
+            Preset::named(name).map_err(|error| wrong(&error))?.table()
+        }
+        None => toml::Table::new(),
+    };
+    whole.extend(keys);
+    let vehicle: Vehicle = whole.try_into().map_err(|error| wrong(&error))?;
     vehicle.validate().map_err(|error| InputError(format!("--vehicle {name}: {error}")))?;
     Ok(vehicle)
 }

@@ -13,8 +13,8 @@ use crate::sequence::{
     Candidate, Effort, GoalSequence, Limits, MAX_SEQUENCED, Problem, Sequences, sequences, weigh,
 };
 use crate::{
-    Action, Cause, Directive, Domain, Extraction, Goal, GoalId, Proof, Reason, Site, Status, Term,
-    Verdict,
+    Action, Cause, Directive, Domain, Extraction, Goal, GoalId, PlanFront, Proof, Reason, Site,
+    Status, Term, Verdict, plan_front,
 };
 
 /// How the manager weighs.
@@ -160,6 +160,8 @@ pub struct Shortlist {
 pub struct Selection {
     /// The family, best first; holds the chosen one.
     pub family: Vec<GoalSequence>,
+    /// For each of the family, the plans of its order that none beats in time, energy and −ln R at once.
+    pub fronts: Vec<PlanFront>,
     /// Index of the chosen sequence.
     pub chosen: usize,
     /// What is known of the best sequence.
@@ -180,6 +182,29 @@ impl Selection {
     pub fn sequence(&self) -> &GoalSequence {
         &self.family[self.chosen]
     }
+}
+
+/// Ways kept after each goal of an order while its front is worked out.
+const FRONT_LABELS: usize = 500;
+
+/// The front of a sequence's order, and the best plan known for that order: a search that was cut short may have met a
+/// worse one than the front holds.
+fn with_front(problem: &Problem<'_>, sequence: GoalSequence) -> (GoalSequence, PlanFront) {
+    let order: Vec<GoalId> = sequence.goals().collect();
+    let front = plan_front(problem, &order, FRONT_LABELS);
+    let best =
+        front.plans.iter().min_by(|a, b| a.rank(b)).filter(|plan| plan.rank(&sequence).is_lt());
+    (best.cloned().unwrap_or(sequence), front)
+}
+
+/// The same for a family, best first.
+fn with_fronts(
+    problem: &Problem<'_>,
+    family: Vec<GoalSequence>,
+) -> (Vec<GoalSequence>, Vec<PlanFront>) {
+    let mut both: Vec<_> = family.into_iter().map(|s| with_front(problem, s)).collect();
+    both.sort_by(|(a, _), (b, _)| a.rank(b));
+    both.into_iter().unzip()
 }
 
 /// What a revision already settled, until the sequence is known.
@@ -751,14 +776,16 @@ impl GoalManager {
         if pinned.is_none() && !pin.is_empty() {
             found = sequences(problem, Effort { first: &[], ..effort });
         }
-        let Sequences { best: mut family, proof, expansions } = found;
+        let Sequences { best, proof, expansions } = found;
+        let (mut family, mut fronts) = with_fronts(problem, best);
         let known = |id: &GoalId| problem.candidates.iter().any(|c| c.goal == *id);
         let order: Vec<GoalId> = self.state.agenda.iter().copied().filter(known).collect();
         let keeps_pin = pinned.is_none_or(|pin| order.first() == Some(&pin));
         let committed = if order.is_empty() || !keeps_pin { None } else { weigh(problem, &order) };
+        let committed = committed.map(|committed| with_front(problem, committed));
         let mut chosen = 0;
         let mut held = false;
-        if let Some(committed) = &committed {
+        if let Some((committed, front)) = &committed {
             let best = &family[0];
             let factor = 1.0 + self.spec.hysteresis;
             let better_value =
@@ -774,11 +801,13 @@ impl GoalManager {
                 chosen = known.unwrap_or_else(|| {
                     let turn = family.partition_point(|s| s.rank(committed).is_lt());
                     family.insert(turn, committed.clone());
+                    fronts.insert(turn, front.clone());
                     turn
                 });
             }
         }
-        Selection { family, chosen, proof, expansions, committed, held, pinned }
+        let committed = committed.map(|(committed, _)| committed);
+        Selection { family, fronts, chosen, proof, expansions, committed, held, pinned }
     }
 
     /// Second half of a deliberation: commits to the chosen sequence and says of every goal what was done.

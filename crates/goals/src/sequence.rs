@@ -6,7 +6,7 @@
 //! taken best bound first, so the search can stop as soon as no open label can beat the best plan found.
 
 use std::cmp::Ordering;
-use std::collections::{BTreeMap, BinaryHeap};
+use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
 
 use wisdom_planner::TravelMatrix;
 
@@ -139,14 +139,36 @@ pub struct Sequences {
     pub best: Vec<GoalSequence>,
     /// What is known of the first.
     pub proof: Proof,
-    /// Labels expanded.
+    /// Labels expanded, in both searches where there were two.
     pub expansions: u64,
+}
+
+impl Sequences {
+    /// What two searches found together, the first having had all the ways that the second had.
+    fn or(self, narrower: Self, keep: usize) -> Self {
+        let mut best: Vec<GoalSequence> = Vec::new();
+        let mut all = self.best;
+        all.extend(narrower.best);
+        all.sort_by(GoalSequence::rank);
+        for sequence in all {
+            let set = |s: &GoalSequence| s.goals().collect::<BTreeSet<_>>();
+            if best.len() < keep.max(1) && best.iter().all(|other| set(other) != set(&sequence)) {
+                best.push(sequence);
+            }
+        }
+        let proof = match self.proof {
+            Proof::Proven => Proof::Proven,
+            Proof::Bound(bound) => Proof::Bound(bound.max(best[0].value)),
+        };
+        Self { best, proof, expansions: self.expansions + narrower.expansions }
+    }
 }
 
 /// How much work, and what the search must respect.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Effort<'a> {
-    /// Labels to expand at most.
+    /// Labels to expand at most; as many again with the most reliable way of each leg alone, if legs have alternatives
+    /// and the search was cut short.
     pub expansions: u64,
     /// How many different sets to keep.
     pub keep: usize,
@@ -170,7 +192,17 @@ pub fn sequences(problem: &Problem<'_>, effort: Effort<'_>) -> Sequences {
         .map(|id| problem.candidates.iter().position(|c| c.goal == *id))
         .collect();
     match prefix {
-        Some(prefix) => Search::new(*problem, prefix, effort).run(),
+        Some(prefix) => {
+            let found = Search::new(*problem, prefix.clone(), effort).run();
+            if found.proof == Proof::Proven || !problem.travel.has_alternatives() {
+                return found;
+            }
+            // Alternatives multiply the labels: a search that was cut short may have met less than it would have
+            // without them, and more ways must never lead to a worse plan.
+            let travel = problem.travel.most_reliable();
+            let narrow = Problem { travel: &travel, ..*problem };
+            found.or(Search::new(narrow, prefix, effort).run(), effort.keep)
+        }
         None => {
             Sequences { best: vec![GoalSequence::empty()], proof: Proof::Proven, expansions: 0 }
         }

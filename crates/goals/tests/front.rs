@@ -396,3 +396,30 @@ fn an_order_of_unknown_or_repeated_goals_has_no_plan() {
     // The way back is closed.
     assert_eq!(plan_front(&problem, &[GoalId(2), GoalId(1)], ENOUGH), empty);
 }
+
+/// However soon the search is cut short, alternatives of legs never lead to a worse plan than none, and no plan known for
+/// the order chosen is better than the one chosen.
+#[test]
+fn more_ways_are_never_worse_even_if_the_search_is_cut_short() {
+    let (mut cut, mut gained) = (0, 0);
+    for seed in 0..60_u64 {
+        let instance = instance(7, 2, 3, seed);
+        for policy in Policy::ALL {
+            let problem = instance.problem(policy);
+            let narrow = problem.travel.most_reliable();
+            for expansions in [3, 20, 200] {
+                let effort = Effort { expansions, keep: 3, first: &[] };
+                let with = sequences(&problem, effort);
+                let without = sequences(&Problem { travel: &narrow, ..problem }, effort);
+                let (a, b) = (&with.best[0], &without.best[0]);
+                assert!(a.rank(b).is_le(), "seed {seed}, {expansions}: {a:?}\n{b:?}");
+                if let Proof::Bound(bound) = with.proof {
+                    assert!(bound >= a.value);
+                    cut += 1;
+                }
+                gained += u32::from(a.value > b.value);
+            }
+        }
+    }
+    assert!(cut > 50 && gained > 10, "{cut} searches were cut short, {gained} gained by more ways");
+}

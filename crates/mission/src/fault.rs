@@ -90,15 +90,14 @@ pub(crate) struct Faults {
 }
 
 impl Faults {
-    /// `draw(fault, 0)` decides whether the fault of that index strikes, `draw(fault, 1)` when; both in [0, 1).
-    pub(crate) fn new(faults: &[Fault], draw: impl Fn(usize, u64) -> f64) -> Self {
+    /// `draw(name, 0)` decides whether the fault of that name strikes, `draw(name, 1)` when; both in [0, 1).
+    pub(crate) fn new(faults: &[Fault], draw: impl Fn(&str, u64) -> f64) -> Self {
         let mut pending: Vec<FaultEvent> = faults
             .iter()
-            .enumerate()
-            .filter(|(index, fault)| draw(*index, 0) < fault.probability)
-            .map(|(index, fault)| {
+            .filter(|fault| draw(&fault.name, 0) < fault.probability)
+            .map(|fault| {
                 let (from, to) = fault.between_s;
-                let time_s = from + (to - from) * draw(index, 1);
+                let time_s = from + (to - from) * draw(&fault.name, 1);
                 FaultEvent {
                     name: fault.name.clone(),
                     kind: fault.kind.clone(),
@@ -181,13 +180,13 @@ mod tests {
             Fault { lasts_s: 50.0, ..fault("drag", FaultKind::WheelDrag { factor: 1.5 }, 0.5) };
         let never = fault("never", FaultKind::CommDelay { delay_s: 9.0 }, 0.0);
         let later = fault("later", FaultKind::DemBias { bias_m: -0.2 }, 1.0);
-        let draw = |index: usize, what: u64| match (index, what) {
-            (0, 0) => 0.49,
+        let draw = |name: &str, what: u64| match (name, what) {
+            ("drag", 0) => 0.49,
             (_, 0) => 0.0,
-            (0, _) => 0.25,
+            ("drag", _) => 0.25,
             _ => 0.5,
         };
-        let mut faults = Faults::new(&[later, never, drag], |i, what| draw(2 - i, what));
+        let mut faults = Faults::new(&[later, never, drag], draw);
         assert!(faults.strike(149.9).is_none());
         let first = faults.strike(1000.0).unwrap();
         assert_eq!((first.name.as_str(), first.time_s, first.until_s), ("drag", 150.0, 200.0));

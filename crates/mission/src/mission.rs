@@ -214,6 +214,12 @@ const MAX_FAMILY: usize = 100;
 /// The most alternatives of one leg: each is a search of its own.
 const MAX_ALTERNATIVES: usize = 16;
 
+/// The most plans of one order that a family may hold.
+const MAX_FRONT: usize = 1000;
+
+/// The latest mission time a fault may speak of, seconds: some thirty thousand years, and sums of it stay finite.
+const LATEST_S: f64 = 1e12;
+
 /// The most poses of one goal.
 const MAX_POSES: usize = 4;
 
@@ -317,7 +323,7 @@ impl Reader<'_> {
         let directives = self.directives(&domain, &experts)?;
         let manager = self.manager()?;
         let start = self.start(grid, &truth[ELEVATION])?;
-        let vehicle = self.vehicle()?;
+        let vehicle = self.vehicle(files)?;
         let slip_layer = self.slip_layer(&layers, &truth)?;
         vehicle.validate().map_err(|e| match &e {
             PlannerError::Vehicle { field, .. } => self.error(&["rover", "vehicle", field], &e),
@@ -358,7 +364,7 @@ impl Reader<'_> {
                     1,
                     MAX_ALTERNATIVES,
                 )?,
-                front: self.counted(&["routes", "front"], file.routes.front, 1, MAX_FAMILY)?,
+                front: self.counted(&["routes", "front"], file.routes.front, 1, MAX_FRONT)?,
             },
             budget,
             triggers: Triggers {
@@ -792,11 +798,24 @@ impl Reader<'_> {
     }
 
     /// The mission's own vehicle, or a preset with the mission's keys over it.
-    fn vehicle(&self) -> Result<Vehicle, MissionError> {
+    ///
+    /// The preset's file is one of the mission's from then on, so that logs and campaigns keep it.
+    fn vehicle(&self, files: &mut Files<'_>) -> Result<Vehicle, MissionError> {
         let rover = &self.file.rover;
         let Some(name) = &rover.preset else { return Ok(rover.vehicle.clone()) };
-        let preset = Preset::named(name).map_err(|e| self.error(&["rover", "preset"], e))?;
-        let mut table = preset.table();
+        let path = format!("presets/{name}.toml");
+        let plain = name.chars().all(|c| c.is_ascii_alphanumeric() || "-_".contains(c));
+        let text = match plain.then(|| files.bytes(&path)) {
+            Some(Ok(bytes)) => text_of(&path, bytes)?,
+            _ => {
+                let built_in = Preset::named(name);
+                let text = built_in.map_err(|e| self.error(&["rover", "preset"], e))?.text();
+                files.taken.insert(path.clone(), text.as_bytes().to_vec());
+                text.to_owned()
+            }
+        };
+        let mut table =
+            Preset::table_of(&text).map_err(|e| MissionError::of_toml(&path, &text, &e))?;
         // What the file says, key by key: a vehicle that was read has defaults where the file is silent.
         let own = self.text.parse::<toml::Table>().ok();
         let own = own.as_ref().and_then(|file| file.get("rover")?.get("vehicle")?.as_table());
@@ -830,6 +849,12 @@ impl Reader<'_> {
         for (i, file) in files.iter().enumerate() {
             let index = i.to_string();
             let error = |key: &str, message: String| self.error(&["fault", &index, key], message);
+            // Names go to terminals and into tables, several in a cell.
+            let fits = |c: char| !c.is_control() && c != ';';
+            if file.name.trim().is_empty() || !file.name.chars().all(fits) {
+                let message = "expected some text without `;` and control characters";
+                return Err(error("name", format!("{:?}; {message}", file.name)));
+            }
             if files[..i].iter().any(|earlier| earlier.name == file.name) {
                 return Err(error("name", format!("fault `{}` is given twice", file.name)));
             }
@@ -838,7 +863,7 @@ impl Reader<'_> {
             };
             let [from_s, to_s] = file.between_s.unwrap_or([0.0, self.file.budget.time_s]);
             for value in [from_s, to_s] {
-                number("between-s", value, 0.0, f64::INFINITY)?;
+                number("between-s", value, 0.0, LATEST_S)?;
             }
             if from_s > to_s {
                 let message = format!("[{from_s}, {to_s}]; expected the earlier time first");
@@ -851,7 +876,7 @@ impl Reader<'_> {
                 between_s: (from_s, to_s),
                 lasts_s: match file.lasts_s {
                     None => f64::INFINITY,
-                    Some(s) => number("lasts-s", s, 0.0, f64::INFINITY)?,
+                    Some(s) => number("lasts-s", s, 0.0, LATEST_S)?,
                 },
             });
         }
@@ -860,11 +885,11 @@ impl Reader<'_> {
 
     fn fault_kind(&self, file: &FaultFile, index: &str) -> Result<FaultKind, MissionError> {
         let error = |key: &str, message: String| self.error(&["fault", index, key], message);
-        let own = match file.kind {
-            FaultName::InstrumentLost => "instrument",
-            FaultName::WheelDrag => "factor",
-            FaultName::DemBias => "bias-m",
-            FaultName::CommDelay => "delay-s",
+        let (kind, own) = match file.kind {
+            FaultName::InstrumentLost => ("instrument-lost", "instrument"),
+            FaultName::WheelDrag => ("wheel-drag", "factor"),
+            FaultName::DemBias => ("dem-bias", "bias-m"),
+            FaultName::CommDelay => ("comm-delay", "delay-s"),
         };
         let given = [
             ("instrument", file.instrument.is_some()),
@@ -873,11 +898,11 @@ impl Reader<'_> {
             ("delay-s", file.delay_s.is_some()),
         ];
         if let Some((key, _)) = given.into_iter().find(|&(key, given)| given && key != own) {
-            return Err(error(key, format!("a fault of this kind has `{own}`, not `{key}`")));
+            return Err(error(key, format!("a {kind} fault has `{own}`, not `{key}`")));
         }
         let number = |key: &str, value: Option<f64>, low, high| {
-            let value = value
-                .ok_or_else(|| error("kind", format!("a fault of this kind needs `{own}`")))?;
+            let value =
+                value.ok_or_else(|| error("kind", format!("a {kind} fault needs `{own}`")))?;
             self.within(&["fault", index, key], value, low, high)
         };
         Ok(match file.kind {
@@ -885,7 +910,7 @@ impl Reader<'_> {
                 let name = file
                     .instrument
                     .clone()
-                    .ok_or_else(|| error("kind", format!("a fault of this kind needs `{own}`")))?;
+                    .ok_or_else(|| error("kind", format!("a {kind} fault needs `{own}`")))?;
                 let known: Vec<&str> =
                     self.file.instrument.iter().map(|i| i.name.as_str()).collect();
                 if !known.contains(&name.as_str()) {
@@ -902,7 +927,7 @@ impl Reader<'_> {
                 FaultKind::DemBias { bias_m: number(own, file.bias_m, -1e4, 1e4)? }
             }
             FaultName::CommDelay => {
-                FaultKind::CommDelay { delay_s: number(own, file.delay_s, 0.0, f64::INFINITY)? }
+                FaultKind::CommDelay { delay_s: number(own, file.delay_s, 0.0, LATEST_S)? }
             }
         })
     }

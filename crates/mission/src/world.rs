@@ -244,6 +244,15 @@ impl World {
         self.truth.values().all(LayerTruth::is_at_hand)
     }
 
+    /// The classes that readings of a layer may take; none if it holds no classes, or there is no such layer.
+    #[must_use]
+    pub fn classes(&self, layer: &str) -> Option<&[f32]> {
+        match &self.truth.get(layer)?.kind {
+            ReadingKind::Class { classes } => Some(classes),
+            ReadingKind::Scalar { .. } => None,
+        }
+    }
+
     /// The instruments.
     #[must_use]
     pub fn instruments(&self) -> &[Instrument] {
@@ -496,9 +505,12 @@ impl World {
 
     /// The faults that strike in this world.
     pub(crate) fn faults(&self) -> Faults {
-        Faults::new(&self.execution.faults, |index, what| {
+        // By name: a fault added to the file changes nothing of the others.
+        Faults::new(&self.execution.faults, |name, what| {
             let purpose = if what == 0 { Purpose::Fault } else { Purpose::FaultTime };
-            unit_noise(&[self.seed, purpose as u64, index as u64])
+            let digest = blake3::hash(name.as_bytes());
+            let word = digest.as_bytes()[..8].try_into().expect("a digest has 32 bytes");
+            unit_noise(&[self.seed, purpose as u64, u64::from_le_bytes(word)])
         })
     }
 

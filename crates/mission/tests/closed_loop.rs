@@ -622,3 +622,29 @@ fn a_watcher_can_stop_the_run_and_keeps_what_was_done() {
     assert_eq!(memory.outcomes.len(), 1);
     assert!(summary.spent.time_s > 0.0 || summary.observations > 1);
 }
+
+/// Alternatives of legs are offered, checked and driven; and however soon the search is cut short, they never make the
+/// first decision worth less.
+#[test]
+fn more_ways_of_each_leg_are_worth_no_less() {
+    let first = |alternatives: &str| {
+        let changes = [
+            ("goals.expansions", "3000"),
+            ("budget.time-s", "9000.0"),
+            ("routes.alternatives", alternatives),
+        ];
+        let run = go(load("paper", &changes));
+        let decision = run.decisions[0].clone();
+        (decision.family[0].sequence.value, decision)
+    };
+    let (narrow, _) = first("1");
+    let (wide, decision) = first("3");
+    assert!(wide >= narrow, "{wide} with three ways, {narrow} with one");
+    // Nothing known for the order chosen is better than what was chosen.
+    let chosen = decision.plan();
+    for option in decision.family.iter().filter(|o| o.front.best == decision.chosen) {
+        assert!(option.sequence.goals().eq(chosen.sequence.goals()));
+        assert!(chosen.sequence.rank(&option.sequence).is_le(), "{option:?}");
+    }
+    assert!(decision.family.iter().any(|o| o.sequence.stops.iter().any(|s| s.alternative > 0)));
+}

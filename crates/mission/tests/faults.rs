@@ -199,13 +199,13 @@ fn a_fault_that_makes_no_sense_is_an_error_at_its_key() {
     let drag = "kind = \"wheel-drag\"\n";
     for (fault, words) in [
         ("probability = 1.0\nkind = \"gremlin\"".to_owned(), "unknown variant `gremlin`"),
-        (format!("{drag}probability = 1.0"), "a fault of this kind needs `factor`"),
+        (format!("{drag}probability = 1.0"), "a wheel-drag fault needs `factor`"),
         (format!("{drag}factor = 0.5\nprobability = 1.0"), "0.5; expected a number from 1 to 1000"),
         (format!("{drag}factor = 2.0\nprobability = 1.5"), "1.5; expected a number from 0 to 1"),
         (format!("{drag}factor = 2.0\nprobability = nan"), "expected a number from 0 to 1"),
         (
             format!("{drag}factor = 2.0\nprobability = 1.0\nbias-m = 1.0"),
-            "a fault of this kind has `factor`, not `bias-m`",
+            "a wheel-drag fault has `factor`, not `bias-m`",
         ),
         (
             format!("{drag}factor = 2.0\nprobability = 1.0\nbetween-s = [9.0, 3.0]"),

@@ -220,6 +220,20 @@ impl TravelMatrix {
         Self { nodes: nodes.to_vec(), entries }
     }
 
+    /// Whether some pair of poses has more than one alternative.
+    #[must_use]
+    pub fn has_alternatives(&self) -> bool {
+        self.entries.iter().flatten().any(|entry| entry.costs.len() > 1)
+    }
+
+    /// The same poses with the first, most reliable alternative of each pair alone, by costs only: it has no routes.
+    #[must_use]
+    pub fn most_reliable(&self) -> Self {
+        Self::from_costs(&self.nodes, |from, to| {
+            self.alternatives(from, to).iter().take(1).copied().collect()
+        })
+    }
+
     /// The poses, in the caller's order.
     #[must_use]
     pub fn nodes(&self) -> &[Cell] {

@@ -95,6 +95,14 @@ impl Preset {
         self.file().rover.vehicle
     }
 
+    /// The vehicle's keys and values of a preset's file: a `summary` and `[rover.vehicle]`.
+    ///
+    /// # Errors
+    /// What is wrong with the file, as TOML or by its keys.
+    pub fn table_of(text: &str) -> Result<toml::Table, toml::de::Error> {
+        toml::from_str::<File>(text).map(|file| file.rover.vehicle)
+    }
+
     /// The file, sources and all. Its `[rover.vehicle]` can be pasted into a mission file.
     #[must_use]
     pub fn text(self) -> &'static str {

@@ -24,6 +24,9 @@ pub fn chi_square_survival(x: f64, degrees_of_freedom: usize) -> f64 {
     if x <= 0.0 {
         return 1.0;
     }
+    if x == f64::INFINITY {
+        return 0.0;
+    }
     let half = 0.5 * x;
     let odd = degrees_of_freedom % 2 == 1;
     let (start, begin) = if odd { (libm::erfc(libm::sqrt(half)), 0.5) } else { (0.0, 0.0) };
