@@ -41,7 +41,9 @@ pub struct Ground {
 ///   one (at the map's edge and beside unknown cells), `√2·e` for a step and e for roughness. These bound what
 ///   independent errors do: the magnitude of a gradient errs no more than its worse axis; each difference of a step
 ///   is judged alone; the residual of n heights errs by `e/√n`, and its mean rises by less than e. A measure that is
-///   unknown gets no margin.
+///   unknown gets no margin: a high level may close flat
+///   ground that is barely known, while ground never seen stays open at [`Vehicle::unknown_severity`]. The level says
+///   how sure the rover must be of what it has seen.
 /// - **Slip** is [`Vehicle::slip`], or with a layer of terrain classes [`Vehicle::slip_on`] the cell's class and its
 ///   u. A step slips as the worse of its two cells does, in its direction of travel.
 /// - **Blocked** is a cell of severity 1 or more, or on which slip reaches [`Vehicle::slip_max`].
