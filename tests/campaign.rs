@@ -156,9 +156,68 @@ fn a_broken_off_campaign_goes_on_to_the_same_bytes_and_names_what_is_spoiled() {
 }
 
 #[test]
+fn an_edited_row_is_named_and_computed_again() {
+    let folder = copy();
+    let before = results(folder.path());
+    let row = folder.path().join("runs/000001.json");
+    let text = std::fs::read_to_string(&row).expect("a row");
+    let start = text.find("\"distance_m\":").expect("its distance") + "\"distance_m\":".len();
+    let end = start + text[start..].find(',').expect("more behind it");
+    // A number as this program writes it, in a file that is otherwise as it was.
+    std::fs::write(&row, format!("{}1.5{}", &text[..start], &text[end..])).expect("it can be");
+
+    let output = wisdom(&["campaign", "gather", self::text(folder.path()), "--json", "--quiet"]);
+    assert_eq!(output.status.code(), Some(3), "{}", errors(&output));
+    let said: Value = serde_json::from_slice(&output.stdout).expect("JSON although quiet");
+    assert_eq!((&said["summary"]["finished"], &said["summary"]["missing"]), (&3.into(), &1.into()));
+    let output = campaign(folder.path(), "1..2", &[]);
+    assert_eq!(told(&output)["computed"], 1);
+    let remarks = errors(&output);
+    assert!(remarks.contains("000001.json") && remarks.contains("edited"), "{remarks}");
+    assert!(remarks.contains("run 1 has to be computed again"), "{remarks}");
+    assert_eq!(results(folder.path()), before);
+}
+
+#[test]
+fn what_a_killed_process_left_of_a_row_is_cleared_away() {
+    let folder = copy();
+    let part = folder.path().join("runs/.000001.json.4711-0.part");
+    std::fs::write(&part, "{\"version\":").expect("a part");
+    assert_eq!(told(&campaign(folder.path(), "1..2", &[]))["computed"], 0);
+    assert!(!part.exists());
+    assert_eq!(results(folder.path()), results(&WHOLE.0));
+}
+
+#[test]
+fn a_reliability_diagram_is_drawn_for_each_rule() {
+    for (name, is_there) in
+        [("reliability_dsmc", true), ("reliability_pcr6", true), ("reliability", false)]
+    {
+        for kind in ["svg", "png"] {
+            assert_eq!(WHOLE.0.join(format!("{name}.{kind}")).exists(), is_there, "{name}.{kind}");
+        }
+    }
+    let drawn = std::fs::read_to_string(WHOLE.0.join("reliability_pcr6.svg")).expect("a plot");
+    assert!(drawn.contains("Brier score") && drawn.contains("Wilson"), "{drawn}");
+}
+
+#[test]
+fn one_world_has_means_and_no_intervals() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let said = told(&campaign(folder.path(), "1", &[]));
+    let goals = &said["summary"]["variants"][0]["means"]["goals"];
+    assert!(goals["mean"].is_number() && goals["low"].is_null() && goals["high"].is_null());
+    let output = wisdom(&["campaign", "gather", text(folder.path())]);
+    let told = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(told.contains("means over 1 world,") && told.contains(" [-]"), "{told}");
+    assert!(told.contains("time, s") && told.contains("energy, J"), "{told}");
+}
+
+#[test]
 fn runs_done_one_by_one_in_any_order_make_the_same_campaign() {
     let folder = tempfile::tempdir().expect("a folder");
-    told(&campaign(folder.path(), "1..2", &["--prepare"]));
+    let prepared = told(&campaign(folder.path(), "1..2", &["--prepare", "--quiet"]));
+    assert_eq!(prepared["runs"], 4, "JSON although quiet");
     let one = |index: &str| {
         wisdom(&["campaign", "run-one", text(folder.path()), "--index", index, "--json"])
     };
@@ -204,6 +263,10 @@ fn a_folder_of_another_campaign_is_refused_with_the_difference() {
         let errors = errors(&output);
         assert_eq!(output.status.code(), Some(2), "{errors}");
         assert!(errors.contains("another campaign") && errors.contains(wanted), "{errors}");
+        assert!(
+            errors.contains("; give ") && errors.contains("another folder with -o"),
+            "{errors}"
+        );
     };
     refused("2..3", &[], "its seed number 1 is 1, and the call's 2");
     refused("1", &[], "it has 2 seeds, and the call names the first 1");
@@ -214,6 +277,16 @@ fn a_folder_of_another_campaign_is_refused_with_the_difference() {
         "its rules are dsmc,pcr6, and the call's dsmc,pcr6,yager",
     );
     refused("1..2", &["--policies", "expected-interest"], "its policies are most-interesting");
+    // What the call leaves out is the mission's.
+    let mut args = vec!["campaign", "missions/paper", "--seeds", "1..2", "-o", text(folder.path())];
+    args.extend(SHORT);
+    let output = wisdom(&args);
+    assert_eq!(output.status.code(), Some(2));
+    let told = errors(&output);
+    assert!(
+        told.contains("its rules are dsmc,pcr6, and the mission's dsmc; give the same"),
+        "{told}"
+    );
     assert_eq!(results(folder.path()), before, "nothing was touched");
 
     // A mission changed behind the campaign's back.
@@ -223,8 +296,33 @@ fn a_folder_of_another_campaign_is_refused_with_the_difference() {
     std::fs::remove_file(folder.path().join("runs/000000.json")).expect("it was there");
     let output = wisdom(&["campaign", "run-one", text(folder.path()), "--index", "0"]);
     assert_eq!(output.status.code(), Some(2));
-    assert!(errors(&output).contains("mission has digest"), "{}", errors(&output));
+    let told = errors(&output);
+    assert!(told.contains("mission/ was changed since the campaign was made (digest"), "{told}");
+    assert!(told.contains("put it back, or start anew with another -o"), "{told}");
     assert!(!folder.path().join("runs/000000.json").exists());
+}
+
+#[test]
+fn results_of_another_version_of_the_program_are_not_mixed_with_ours() {
+    let folder = copy();
+    let manifest = folder.path().join("campaign.toml");
+    let text_now = std::fs::read_to_string(&manifest).expect("a manifest");
+    let (mine, older) = (env!("CARGO_PKG_VERSION"), "0.0.9");
+    let was = text_now.replace(&format!("product = \"{mine}\""), &format!("product = \"{older}\""));
+    assert_ne!(was, text_now);
+    std::fs::write(&manifest, was).expect("it can be changed");
+    std::fs::remove_file(folder.path().join("runs/000000.json")).expect("it was there");
+    let wanted = format!("it was made by wisdom {older}, this is {mine}; results are not mixed");
+    let one = wisdom(&["campaign", "run-one", text(folder.path()), "--index", "0"]);
+    for output in [campaign(folder.path(), "1..2", &[]), campaign(folder.path(), "1..3", &[]), one]
+    {
+        assert_eq!(output.status.code(), Some(2));
+        assert!(errors(&output).contains(&wanted), "{}", errors(&output));
+    }
+    assert!(!folder.path().join("runs/000000.json").exists());
+    let output = wisdom(&["campaign", "gather", text(folder.path()), "--quiet"]);
+    assert_eq!(output.status.code(), Some(3));
+    assert!(errors(&output).contains(&wanted), "{}", errors(&output));
 }
 
 #[test]
@@ -241,19 +339,35 @@ fn mistakes_are_refused_before_anything_is_written() {
         assert!(!target.exists(), "{args:?}");
     };
     refused(&[], "--seeds");
-    refused(&["--seeds", "5..1"], "5..1");
+    refused(&["--seeds", "5..1"], "5 is larger than 1");
+    refused(&["--seeds", "1..10001"], "at most 10000");
     refused(&["--seeds", "1..3,2"], "seed 2 is given twice");
     refused(&["--seeds", "9223372036854775808"], "expected at most");
-    refused(&["--seeds", "1", "--rules", "pcr9"], "pcr9");
+    refused(&["--seeds", "1", "--rules", "pcr9"], "--rules: unknown rule `pcr9`");
     // Known, but not on maps: the mission refuses it.
     refused(&["--seeds", "1", "--rules", "dsmc,bold"], "bold");
-    refused(&["--seeds", "1", "--policies", "laziest"], "laziest");
-    refused(&["--seeds", "1", "--set", "seed=3"], "the campaign itself sets `seed`");
-    refused(&["--seeds", "1", "--rules", "dsmc", "--set", "rule=pcr6"], "sets `rule`");
+    refused(&["--seeds", "1", "--policies", "laziest"], "--policies: `laziest`");
+    // What the campaign varies has an option of its own, given or not.
+    let ruled = "--set rule=pcr6: a campaign's rules are given with --rules";
+    refused(&["--seeds", "1", "--set", "rule=pcr6"], ruled);
+    refused(&["--seeds", "1", "--rules", "dsmc", "--set", "rule=pcr6"], ruled);
+    refused(&["--seeds", "1", "--set", "seed=3"], "seeds are given with --seeds");
+    refused(&["--seeds", "1", "--set", "policy=\"x\""], "policies are given with --policies");
     refused(&["--seeds", "1", "--jobs", "0"], "--jobs 0");
     if !cfg!(feature = "parquet") {
         refused(&["--seeds", "1", "--parquet"], "--features parquet");
     }
+
+    let output = wisdom(&["campaign", "missions/nope", "--seeds", "1", "-o", text(&target)]);
+    assert_eq!(output.status.code(), Some(2));
+    let told = errors(&output);
+    assert!(told.contains("missions/nope") && told.contains("mission.toml is expected"), "{told}");
+    let file = folder.path().join("file");
+    std::fs::write(&file, "mine").expect("a file");
+    let output = campaign(&file, "1", &[]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(errors(&output).contains("is a file; a folder is expected"), "{}", errors(&output));
+    assert_eq!(std::fs::read(&file).expect("it is there"), b"mine");
 
     // A folder that holds something else is left as it is.
     let mine = folder.path().join("mine");
@@ -343,7 +457,7 @@ fn a_mission_with_files_outside_its_folder_is_read_where_it_was_and_checked() {
     std::fs::write(&landscape, changed).expect("it can be changed");
     let output = wisdom(&one);
     assert_eq!(output.status.code(), Some(2));
-    assert!(errors(&output).contains("mission has digest"), "{}", errors(&output));
+    assert!(errors(&output).contains("was changed since"), "{}", errors(&output));
 }
 
 #[cfg(feature = "parquet")]
@@ -379,4 +493,27 @@ fn the_parquet_table_holds_what_the_csv_table_holds() {
         read += 1;
     }
     assert_eq!(read, 4);
+}
+
+#[test]
+fn a_folder_left_half_made_is_finished_by_the_same_call() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let place = folder.path().join("c");
+    let call = || told(&campaign(&place, "1..2", &["--prepare"]));
+    call();
+    let manifest = std::fs::read(place.join("campaign.toml")).expect("a manifest");
+    // Killed before the mission was copied, and before the manifest was.
+    std::fs::remove_dir_all(place.join("mission")).expect("it was there");
+    call();
+    assert!(place.join("mission/mission.toml").exists());
+    std::fs::remove_dir_all(&place).expect("it was there");
+    std::fs::create_dir(&place).expect("a folder");
+    std::fs::write(place.join(".campaign.toml.77-0.part"), &manifest[..40]).expect("half of it");
+    call();
+    assert_eq!(std::fs::read(place.join("campaign.toml")).expect("a manifest"), manifest);
+    // A folder of somebody's own stays as it is.
+    let own = folder.path().join("own");
+    std::fs::create_dir_all(own.join("mission")).expect("a folder");
+    let refused = campaign(&own, "1", &["--prepare"]);
+    assert_eq!(refused.status.code(), Some(2));
 }

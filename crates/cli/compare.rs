@@ -34,6 +34,9 @@ pub(crate) struct CompareArgs {
     quiet: bool,
 }
 
+/// The most seeds from one to another: more is a slip of the pen.
+const MOST_SEEDS: u64 = 10_000;
+
 /// What `--seeds` names.
 pub(crate) fn seeds(text: &str) -> Result<Vec<u64>, InputError> {
     let error = || InputError(format!("--seeds {text}: expected `3`, `1,4,7` or `1..5`"));
@@ -43,8 +46,15 @@ pub(crate) fn seeds(text: &str) -> Result<Vec<u64>, InputError> {
         match part.split_once("..") {
             Some((from, to)) => {
                 let (from, to) = (number(from)?, number(to.trim_start_matches('='))?);
-                if from > to || to - from >= 10_000 {
-                    return Err(error());
+                if from > to {
+                    let message = format!("--seeds {text}: {from} is larger than {to}");
+                    return Err(InputError(message));
+                }
+                if to - from >= MOST_SEEDS {
+                    let message = format!(
+                        "--seeds {text}: expected at most {MOST_SEEDS} from one seed to another"
+                    );
+                    return Err(InputError(message));
                 }
                 seeds.extend(from..=to);
             }

@@ -7,7 +7,7 @@ use std::path::{Component, Path, PathBuf};
 use anyhow::Context;
 use serde::{Deserialize, Serialize};
 use wisdom_logbook::record::DECISION_VERSION;
-use wisdom_mission::{Case, MISSION_FILE, Mission, Override, Plan, Row, RowResult};
+use wisdom_mission::{Case, MISSION_FILE, Mission, Override, Plan, ROW_VERSION, Row, RowResult};
 
 use crate::exit::InputError;
 
@@ -101,19 +101,30 @@ impl Manifest {
             .collect()
     }
 
+    /// How this program differs from the one that made the campaign, where rows may hang on it.
+    fn program_difference(&self) -> Option<String> {
+        let product = env!("CARGO_PKG_VERSION");
+        let differs = |what: &str, here: &str, mine: &str| {
+            (here != mine).then(|| {
+                format!("it was made by {what} {here}, this is {mine}; results are not mixed")
+            })
+        };
+        differs("wisdom", &self.product, product)
+            .or_else(|| {
+                let (here, mine) = (self.decision_version, DECISION_VERSION);
+                differs("decision version", &here.to_string(), &mine.to_string())
+            })
+            .or_else(|| differs("layout version", &self.version.to_string(), &VERSION.to_string()))
+    }
+
     /// The first thing in which the rows of two campaigns would differ, ours first; more seeds at the end are none.
-    fn first_difference(&self, wanted: &Self) -> Option<String> {
-        let differs = |what: &str, here: String, there: String| {
-            (here != there).then(|| format!("its {what} {here}, and the call's {there}"))
+    fn first_difference(&self, wanted: &Self, given: Given) -> Option<String> {
+        let differs = |what: &str, here: String, whose: &str, there: String| {
+            (here != there).then(|| format!("its {what} {here}, and the {whose}'s {there}"))
         };
         let list = |names: &[String]| names.join(",");
-        differs("layout has version", self.version.to_string(), wanted.version.to_string())
-            .or_else(|| differs("product is", self.product.clone(), wanted.product.clone()))
-            .or_else(|| {
-                let (here, there) = (self.decision_version, wanted.decision_version);
-                differs("decision version is", here.to_string(), there.to_string())
-            })
-            .or_else(|| differs("mission is", self.mission.clone(), wanted.mission.clone()))
+        let whose = |given: bool| if given { "call" } else { "mission" };
+        differs("mission is", self.mission.clone(), "call", wanted.mission.clone())
             .or_else(|| {
                 // Changes written otherwise may come to the same; the digest knows.
                 let same = self.digest == wanted.digest;
@@ -121,13 +132,22 @@ impl Manifest {
                     if set.is_empty() { "none".to_owned() } else { set.join(" ") }
                 };
                 (!same).then(|| {
-                    differs("changes are", shown(&self.set), shown(&wanted.set)).or_else(|| {
-                        differs("mission has digest", self.digest.clone(), wanted.digest.clone())
-                    })
+                    differs("changes are", shown(&self.set), "call", shown(&wanted.set)).or_else(
+                        || {
+                            let digest = |of: &Self| of.digest.clone();
+                            differs("mission has digest", digest(self), "call", digest(wanted))
+                        },
+                    )
                 })?
             })
-            .or_else(|| differs("rules are", list(&self.rules), list(&wanted.rules)))
-            .or_else(|| differs("policies are", list(&self.policies), list(&wanted.policies)))
+            .or_else(|| {
+                differs("rules are", list(&self.rules), whose(given.rules), list(&wanted.rules))
+            })
+            .or_else(|| {
+                let (here, there) = (list(&self.policies), list(&wanted.policies));
+                differs("policies are", here, whose(given.policies), there)
+            })
+            .map(|difference| format!("{difference}; give the same"))
             .or_else(|| self.seeds_difference(&wanted.seeds))
     }
 
@@ -137,7 +157,7 @@ impl Manifest {
         if let Some(turn) = (0..turns).find(|&turn| self.seeds[turn] != wanted[turn]) {
             return Some(format!(
                 "its seed number {} is {}, and the call's {}; seeds can be added behind the others only, as runs \
-                 are numbered seed by seed",
+                 are numbered seed by seed; give the same",
                 turn + 1,
                 self.seeds[turn],
                 wanted[turn]
@@ -145,12 +165,19 @@ impl Manifest {
         }
         (wanted.len() < self.seeds.len()).then(|| {
             format!(
-                "it has {} seeds, and the call names the first {} of them; name them all, or more behind them",
+                "it has {} seeds, and the call names the first {} of them; give all, and more behind them if you like",
                 self.seeds.len(),
                 wanted.len()
             )
         })
     }
+}
+
+/// What a call names; what it does not is the mission's.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Given {
+    pub(super) rules: bool,
+    pub(super) policies: bool,
 }
 
 /// Whether a folder can hold all of the mission: not ground larger than memory, and nothing that lies outside its
@@ -182,27 +209,41 @@ impl Folder {
     pub(super) fn prepare(
         place: &Path,
         wanted: &Manifest,
+        given: Given,
         mission: &Mission,
     ) -> anyhow::Result<Self> {
         let shown = place.display();
+        if place.is_file() {
+            let message = format!("-o {shown}: is a file; a folder is expected");
+            return Err(InputError(message).into());
+        }
         if !place.join(MANIFEST).exists() {
-            begin(place, wanted, mission)?;
-            return Self::open(place);
+            begin(place, wanted)?;
         }
         let found = Self::open(place)?;
-        if let Some(difference) = found.manifest.first_difference(wanted) {
-            let message = format!("{shown} holds another campaign: {difference}");
+        found.check_program()?;
+        if let Some(difference) = found.manifest.first_difference(wanted, given) {
+            let message =
+                format!("{shown} holds another campaign: {difference}, or another folder with -o");
             return Err(InputError(message).into());
         }
         if found.manifest.seeds.len() < wanted.seeds.len() || found.manifest.place != wanted.place {
             let set = found.manifest.set.clone();
             write_manifest(place, &Manifest { set, ..wanted.clone() })?;
         }
+        if wanted.place.is_none() {
+            keep_mission(place, mission)?;
+        }
         Self::open(place)
     }
 
     /// Opens the folder of a campaign that was made before.
     pub(super) fn open(place: &Path) -> anyhow::Result<Self> {
+        if place.is_file() {
+            let message =
+                format!("{}: is a file; a campaign's folder is expected", place.display());
+            return Err(InputError(message).into());
+        }
         let path = place.join(MANIFEST);
         let error = |message: String| InputError(format!("{}: {message}", path.display()));
         let text = fs::read_to_string(&path).map_err(|e| match e.kind() {
@@ -222,26 +263,39 @@ impl Folder {
         Ok(folder)
     }
 
-    /// Checks that this program would compute the campaign's own rows: the same version, the same mission.
-    pub(super) fn check(&self) -> anyhow::Result<()> {
-        let mine = Manifest {
-            version: VERSION,
-            product: env!("CARGO_PKG_VERSION").to_owned(),
-            decision_version: DECISION_VERSION,
-            ..self.manifest.clone()
-        };
-        let mission = self.load(&[])?;
-        let mine = Manifest { digest: hex(&mission.digest), ..mine };
-        match self.manifest.first_difference(&mine) {
+    /// How this program differs from the one that made the campaign, where rows may hang on it.
+    pub(super) fn program_difference(&self) -> Option<String> {
+        self.manifest.program_difference()
+    }
+
+    fn check_program(&self) -> Result<(), InputError> {
+        match self.program_difference() {
             None => Ok(()),
             Some(difference) => {
-                let message = format!(
-                    "{}: it was made otherwise than this program would: {difference}",
-                    self.place.join(MANIFEST).display()
-                );
-                Err(InputError(message).into())
+                let message = format!("{}: {difference}; start anew with another -o", self.shown());
+                Err(InputError(message))
             }
         }
+    }
+
+    /// Checks that this program would compute the campaign's own rows: the same version, the same mission.
+    pub(super) fn check(&self) -> anyhow::Result<()> {
+        self.check_program()?;
+        let digest = hex(&self.load(&[])?.digest);
+        if digest != self.manifest.digest {
+            let what = match &self.manifest.place {
+                None => format!("{}/", self.place.join(MISSION).display()),
+                Some(file) => format!("the mission {}", file.display()),
+            };
+            let message = format!(
+                "{what} was changed since the campaign was made (digest {}, then {}); put it back, or start anew with \
+                 another -o",
+                start(&digest),
+                start(&self.manifest.digest)
+            );
+            return Err(InputError(message).into());
+        }
+        Ok(())
     }
 
     /// Reads the campaign's mission with further changes.
@@ -285,8 +339,17 @@ impl Folder {
         let spoiled = |why: String| Kept::Spoiled(format!("{}: {why}", path.display()));
         Ok(match serde_json::from_slice::<Row>(&bytes) {
             Err(error) => spoiled(format!("no whole row ({error})")),
+            Ok(row) if row.version != ROW_VERSION => spoiled(format!(
+                "a row of version {}; this program writes {ROW_VERSION}",
+                row.version
+            )),
+            Ok(row) if !row.is_unchanged() => {
+                spoiled("a row that was edited (its digest does not fit it)".into())
+            }
             Ok(row) if !row.is_of(case) => spoiled("the row of another run".into()),
-            Ok(row) if text(&row)?.as_bytes() != bytes => spoiled("a row, but changed".into()),
+            Ok(row) if text(&row)?.as_bytes() != bytes => {
+                spoiled("a row that was edited (it is written otherwise)".into())
+            }
             Ok(row) => Kept::Whole(row),
         })
     }
@@ -297,6 +360,25 @@ impl Folder {
         let time = self.place.join(TIMES).join(format!("{:06}.json", row.index));
         fs::write(&time, format!("{}\n", serde_json::json!({ "wall_s": wall_s })))
             .with_context(|| time.display().to_string())
+    }
+
+    /// Removes what killed processes left of rows they were writing. A process that is alive writes its row again.
+    pub(super) fn clear_parts(&self) -> anyhow::Result<()> {
+        let runs = self.place.join(RUNS);
+        let at = || runs.display().to_string();
+        for entry in fs::read_dir(&runs).with_context(at)? {
+            let name = entry.with_context(at)?.file_name();
+            let name = name.to_string_lossy();
+            if name.starts_with('.') && name.ends_with(PART) {
+                match fs::remove_file(runs.join(&*name)) {
+                    Err(error) if error.kind() != ErrorKind::NotFound => {
+                        return Err(error).with_context(at);
+                    }
+                    _ => {}
+                }
+            }
+        }
+        Ok(())
     }
 
     /// All runs: rows that are there, in order, and the runs still to be done, of which spoiled and failed ones are
@@ -332,13 +414,13 @@ fn text(row: &Row) -> anyhow::Result<String> {
 }
 
 /// Makes a new campaign's folder, its manifest last.
-fn begin(place: &Path, manifest: &Manifest, mission: &Mission) -> anyhow::Result<()> {
+fn begin(place: &Path, manifest: &Manifest) -> anyhow::Result<()> {
     let at = |e: std::io::Error| InputError(format!("-o {}: {e}", place.display()));
     fs::create_dir_all(place).map_err(at)?;
     for entry in fs::read_dir(place).map_err(at)? {
         let name = entry.map_err(at)?.file_name();
-        // Left by a campaign that ended before its folder was made.
-        if name != MISSION_PART {
+        // Left by a campaign that ended before its manifest was whole.
+        if !name.to_string_lossy().starts_with(&format!(".{MANIFEST}")) && name != MANIFEST {
             let message = format!(
                 "-o {}: it holds {} and no campaign; name a new or empty folder",
                 place.display(),
@@ -347,27 +429,50 @@ fn begin(place: &Path, manifest: &Manifest, mission: &Mission) -> anyhow::Result
             return Err(InputError(message).into());
         }
     }
-    if manifest.place.is_none() {
-        let part = place.join(MISSION_PART);
-        for (path, bytes) in &mission.files {
-            let path = part.join(path);
-            let folder = path.parent().unwrap_or(&part);
-            fs::create_dir_all(folder)
-                .and_then(|()| fs::write(&path, bytes))
-                .with_context(|| path.display().to_string())?;
-        }
-        fs::rename(&part, place.join(MISSION))?;
-    }
     write_manifest(place, manifest)
+}
+
+/// Copies the mission's files into a campaign's folder, unless they are there: whole, under a name of this process's own
+/// first, so that neither a call that was killed nor one beside it leaves half a mission.
+fn keep_mission(place: &Path, mission: &Mission) -> anyhow::Result<()> {
+    let kept = place.join(MISSION);
+    if kept.exists() {
+        return Ok(());
+    }
+    let part = place.join(format!("{MISSION_PART}-{}", std::process::id()));
+    for (path, bytes) in &mission.files {
+        let path = part.join(path);
+        let folder = path.parent().unwrap_or(&part);
+        fs::create_dir_all(folder)
+            .and_then(|()| fs::write(&path, bytes))
+            .with_context(|| path.display().to_string())?;
+    }
+    if let Err(error) = fs::rename(&part, &kept) {
+        let _ = fs::remove_dir_all(&part);
+        // Another call was quicker: the same manifest asks for the same files, and they are checked by digest.
+        if !kept.exists() {
+            return Err(error).with_context(|| kept.display().to_string());
+        }
+    }
+    Ok(())
 }
 
 fn write_manifest(place: &Path, manifest: &Manifest) -> anyhow::Result<()> {
     write_whole(&place.join(MANIFEST), toml::to_string(manifest)?.as_bytes())
 }
 
+/// How the name of a file ends that is being written.
+const PART: &str = ".part";
+
 /// Writes a file so that it is there whole or not at all: under another name, synced, then renamed.
 pub(super) fn write_whole(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
-    write_by(path, |file| Ok(file.write_all(bytes)?))
+    let write = || write_by(path, |file| Ok(file.write_all(bytes)?));
+    // Another call may just have cleared the part away; it does so once, as it begins.
+    write().or_else(|error| {
+        let gone = |e: &std::io::Error| e.kind() == ErrorKind::NotFound;
+        let gone = error.root_cause().downcast_ref().is_some_and(gone);
+        if gone { write() } else { Err(error) }
+    })
 }
 
 /// As [`write_whole`], with the file's content written by a function.
@@ -379,7 +484,7 @@ pub(super) fn write_by(
     let name = path.file_name().expect("a file has a name").to_string_lossy();
     // Others may write the same row at the same time: each under a name of its own.
     let (part, mut file) = (0u32..)
-        .map(|n| folder.join(format!(".{name}.{}-{n}.part", std::process::id())))
+        .map(|n| folder.join(format!(".{name}.{}-{n}{PART}", std::process::id())))
         .find_map(|part| match OpenOptions::new().write(true).create_new(true).open(&part) {
             Ok(file) => Some(Ok((part, file))),
             Err(error) if error.kind() == ErrorKind::AlreadyExists => None,
@@ -408,4 +513,9 @@ fn sync_folder(folder: &Path) -> anyhow::Result<()> {
 
 fn hex(digest: &[u8]) -> String {
     digest.iter().fold(String::new(), |text, byte| text + &format!("{byte:02x}"))
+}
+
+/// As much of a digest as tells it from another at a glance.
+fn start(digest: &str) -> &str {
+    digest.get(..12).unwrap_or(digest)
 }

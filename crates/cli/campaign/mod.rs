@@ -17,9 +17,9 @@ use clap::Subcommand;
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::ThreadPool;
 use serde_json::json;
-use wisdom_mission::{Mission, Plan, Row, RowResult};
+use wisdom_mission::{MISSION_FILE, Mission, Plan, Row, RowResult};
 
-use self::folder::{Folder, Kept, Manifest, write_whole};
+use self::folder::{Folder, Given, Kept, Manifest, write_whole};
 use self::summary::Summary;
 use crate::exit::{self, InputError};
 use crate::mission_args::MissionArgs;
@@ -89,7 +89,7 @@ struct OneArgs {
     /// Print one JSON object instead of text.
     #[arg(long)]
     json: bool,
-    /// Print nothing but errors.
+    /// Print nothing but errors, and the object of --json.
     #[arg(long)]
     quiet: bool,
 }
@@ -118,7 +118,7 @@ struct Told {
     /// Print one JSON object instead of text.
     #[arg(long)]
     json: bool,
-    /// Print nothing but errors.
+    /// Print nothing but errors, and the object of --json.
     #[arg(long)]
     quiet: bool,
 }
@@ -145,8 +145,8 @@ impl Jobs {
     }
 }
 
-/// The most threads of a campaign: more is a slip of the pen.
-const MAX_JOBS: usize = 1024;
+/// The most threads of a campaign: more is a slip of the pen, and far more than there are cores make it crawl.
+const MAX_JOBS: usize = 256;
 
 impl Told {
     /// Refuses what this program was built without.
@@ -162,20 +162,28 @@ impl Told {
 
 /// What the call asks for, without looking at any folder but the mission's.
 fn wanted(args: &StartArgs) -> anyhow::Result<(Mission, Manifest)> {
-    let taken =
-        [("seed", true), ("rule", !args.rules.is_empty()), ("policy", !args.policies.is_empty())];
+    if !args.mission.exists() {
+        let message = format!(
+            "{}: there is no such file; a mission's folder or its {MISSION_FILE} is expected",
+            args.mission.display()
+        );
+        return Err(InputError(message).into());
+    }
     for change in &args.set {
         let key = change.split('=').next().unwrap_or_default().trim();
-        if taken.contains(&(key, true)) {
-            let message = format!("--set {change}: the campaign itself sets `{key}`");
-            return Err(InputError(message).into());
+        for (taken, plural) in [("seed", "seeds"), ("rule", "rules"), ("policy", "policies")] {
+            if key == taken {
+                let message =
+                    format!("--set {change}: a campaign's {plural} are given with --{plural}");
+                return Err(InputError(message).into());
+            }
         }
     }
     let mission =
         MissionArgs { mission: args.mission.clone(), set: args.set.clone(), policy: None };
     let base = mission.load(&[])?;
-    let rules = named(&args.rules, base.spec.fusion.rule)?;
-    let policies = named(&args.policies, base.spec.policy)?;
+    let rules = named("--rules", &args.rules, base.spec.fusion.rule)?;
+    let policies = named("--policies", &args.policies, base.spec.policy)?;
     let seeds = crate::compare::seeds(&args.seeds)?;
     let plan = Plan::new(seeds, &rules, &policies).map_err(|e| InputError(e.to_string()))?;
     // A rule that does not suit the mission is told before anything is written.
@@ -187,7 +195,7 @@ fn wanted(args: &StartArgs) -> anyhow::Result<(Mission, Manifest)> {
 }
 
 /// Names as given, or what the mission has.
-fn named<T>(names: &[String], own: T) -> Result<Vec<T>, InputError>
+fn named<T>(option: &str, names: &[String], own: T) -> Result<Vec<T>, InputError>
 where
     T: std::str::FromStr,
     T::Err: std::fmt::Display,
@@ -195,28 +203,33 @@ where
     if names.is_empty() {
         return Ok(vec![own]);
     }
-    names.iter().map(|n| n.trim().parse().map_err(|e: T::Err| InputError(e.to_string()))).collect()
+    let error = |e: T::Err| InputError(format!("{option}: {e}"));
+    names.iter().map(|n| n.trim().parse().map_err(error)).collect()
 }
 
 fn begin(args: &StartArgs, jobs: &Jobs, told: &Told) -> anyhow::Result<ExitCode> {
     told.check()?;
     let pool = jobs.pool()?;
     let (mission, manifest) = wanted(args)?;
-    let folder = Folder::prepare(&args.output, &manifest, &mission)?;
+    let given = Given { rules: !args.rules.is_empty(), policies: !args.policies.is_empty() };
+    let folder = Folder::prepare(&args.output, &manifest, given, &mission)?;
     drop(mission);
     folder.check()?;
     if args.prepare {
-        if !told.quiet {
-            let mut out = std::io::stdout().lock();
-            let (shown, last) = (folder.shown().to_string(), folder.plan.len() - 1);
-            if told.json {
-                writeln!(out, "{}", json!({ "campaign": shown, "runs": folder.plan.len() }))?;
-            } else {
-                writeln!(out, "{shown}: `wisdom campaign run-one {shown} --index 0` to {last}")?;
-            }
+        let mut out = std::io::stdout().lock();
+        let (shown, count) = (folder.shown().to_string(), folder.plan.len());
+        if told.json {
+            writeln!(out, "{}", json!({ "campaign": shown, "runs": count }))?;
+        } else if !told.quiet {
+            let (runs, last) = (counted(count, "run"), count - 1);
+            writeln!(
+                out,
+                "{shown} is ready: {runs}; `wisdom campaign run-one {shown} --index I`, I from 0 to {last}"
+            )?;
         }
         return Ok(ExitCode::SUCCESS);
     }
+    folder.clear_parts()?;
     let (rows, open) = folder.survey(&mut |text| exit::complain(&format!("remark: {text}")))?;
     drop(rows);
     let stop = crate::run::interrupted()?;
@@ -276,30 +289,27 @@ fn conclude(folder: &Folder, told: &Told, pace: Option<&Pace>) -> anyhow::Result
     let text = serde_json::to_string_pretty(&summary.as_json())? + "\n";
     write_whole(&folder.path("summary.json"), text.as_bytes())?;
     plots::draw(&folder.path(""), &summary)?;
-    if !told.quiet {
-        let mut out = std::io::stdout().lock();
-        if told.json {
-            let object = json!({
-                "campaign": folder.shown().to_string(),
-                "computed": pace.map_or(0, |pace| pace.runs),
-                "jobs": pace.map(|pace| pace.jobs),
-                "wall_s": pace.map(|pace| pace.wall_s),
-                "missions_per_minute": pace.and_then(Pace::per_minute),
-                "summary": summary.as_json(),
-            });
-            writeln!(out, "{object}")?;
-        } else {
-            summary.write(&mut out)?;
-            if let Some((pace, rate)) = pace.and_then(|pace| Some((pace, pace.per_minute()?))) {
-                let Pace { runs, wall_s, jobs } = pace;
-                writeln!(
-                    out,
-                    "{runs} runs in {wall_s:.1} s, {rate:.1} missions a minute, {jobs} jobs"
-                )?;
-            }
-            writeln!(out, "tables and summary in {}", folder.shown())?;
+    let mut out = std::io::stdout().lock();
+    if told.json {
+        let object = json!({
+            "campaign": folder.shown().to_string(),
+            "computed": pace.map_or(0, |pace| pace.runs),
+            "jobs": pace.map(|pace| pace.jobs),
+            "wall_s": pace.map(|pace| pace.wall_s),
+            "missions_per_minute": pace.and_then(Pace::per_minute),
+            "summary": summary.as_json(),
+        });
+        writeln!(out, "{object}")?;
+    } else if !told.quiet {
+        summary.write(&mut out)?;
+        if let Some((pace, rate)) = pace.and_then(|pace| Some((pace, pace.per_minute()?))) {
+            let Pace { runs, wall_s, jobs } = pace;
+            let (runs, jobs) = (counted(*runs, "run"), counted(*jobs, "job"));
+            writeln!(out, "{runs} in {wall_s:.1} s, {rate:.1} missions a minute, {jobs}")?;
         }
+        writeln!(out, "tables and summary in {}", folder.shown())?;
     }
+    drop(out);
     if summary.missing() > 0 {
         let (missing, all) = (summary.missing(), folder.plan.len());
         exit::complain(&format!(
@@ -313,6 +323,11 @@ fn conclude(folder: &Folder, told: &Told, pace: Option<&Pace>) -> anyhow::Result
         (0, _) => ExitCode::from(exit::LOSSY),
         _ => ExitCode::from(exit::FAILED),
     })
+}
+
+/// A number of things in words.
+fn counted(count: usize, thing: &str) -> String {
+    format!("{count} {thing}{}", if count == 1 { "" } else { "s" })
 }
 
 #[cfg(feature = "parquet")]
@@ -331,7 +346,11 @@ fn write_parquet(_: &Folder, _: &Told, _: &[Row]) -> anyhow::Result<()> {
 
 fn gather(args: &GatherArgs) -> anyhow::Result<ExitCode> {
     args.told.check()?;
-    conclude(&Folder::open(&args.folder)?, &args.told, None)
+    let folder = Folder::open(&args.folder)?;
+    if let Some(difference) = folder.program_difference() {
+        exit::complain(&format!("remark: {}: {difference}", folder.shown()));
+    }
+    conclude(&folder, &args.told, None)
 }
 
 fn run_one(args: &OneArgs) -> anyhow::Result<ExitCode> {
@@ -346,13 +365,13 @@ fn run_one(args: &OneArgs) -> anyhow::Result<ExitCode> {
         );
         return Err(InputError(message).into());
     };
+    folder.check()?;
     match folder.kept(&case)? {
         Kept::Whole(row) if row.run().is_some() => return tell_one(args, &folder, &row, true),
         Kept::Spoiled(why) => exit::complain(&format!("remark: {why}; it is computed again")),
         Kept::Whole(_) | Kept::Nothing => {}
     }
     let pool = args.jobs.pool()?;
-    folder.check()?;
     let stop = crate::run::interrupted()?;
     work::all(
         &pool,
@@ -383,7 +402,7 @@ fn tell_one(
 ) -> anyhow::Result<ExitCode> {
     let path = folder.row_path(row.index);
     let mut out = std::io::stdout().lock();
-    if args.json && !args.quiet {
+    if args.json {
         let object = json!({
             "row": serde_json::to_value(row)?,
             "path": path.display().to_string(),

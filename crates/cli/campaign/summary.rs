@@ -10,6 +10,7 @@ use wisdom_mission::statistics::{
 };
 use wisdom_mission::{METRICS, PairedTable, Row, RowResult, RunRow, Variant, table};
 
+use super::counted;
 use super::folder::Folder;
 
 /// Bootstrap samples of each interval: a thousand steady its ends to a tenth of its width, and more are cheap.
@@ -18,8 +19,17 @@ const RESAMPLES: usize = 4000;
 /// Seed of the bootstrap: a fixed one, so that a summary is a function of its rows.
 const RESAMPLING_SEED: u64 = 1;
 
+/// Below so many worlds, percentile intervals are remarked upon: they cover the true mean clearly less often than stated.
+const FEW_WORLDS: usize = 10;
+
+/// The most variants side by side: what a terminal is wide enough for.
+const ABREAST: usize = 3;
+
 /// Groups of legs that the calibration is held over.
 const BINS: usize = 10;
+
+/// What is said of intervals over fewer than [`FEW_WORLDS`].
+const TOO_SHORT: &str = "percentile intervals over so few worlds are too short";
 
 /// What a variant came to.
 pub(super) struct Of {
@@ -31,7 +41,7 @@ pub(super) struct Of {
     /// Over all its runs, paired or not; none without legs that ended.
     pub(super) legs: Option<Calibration>,
     /// Legs that were cut short.
-    cut_short: usize,
+    pub(super) cut_short: usize,
 }
 
 /// What a campaign came to.
@@ -43,7 +53,7 @@ pub(super) struct Summary {
     paired: PairedTable,
     pub(super) variants: Vec<Of>,
     /// Over all runs; none without legs that ended.
-    pub(super) legs: Option<Calibration>,
+    legs: Option<Calibration>,
 }
 
 impl Summary {
@@ -96,13 +106,26 @@ impl Summary {
         }
     }
 
-    /// The worlds that means are over, in words.
-    pub(super) fn worlds(&self) -> String {
-        format!(
-            "{}: means over {} worlds, 95 % bootstrap intervals",
-            self.mission,
-            self.paired.seeds.len()
-        )
+    /// The worlds that means are over, in words, a line each.
+    pub(super) fn worlds(&self) -> Vec<String> {
+        let worlds = counted(self.paired.seeds.len(), "world");
+        let mission = &self.mission;
+        if !self.has_intervals() {
+            return vec![format!("{mission}: {worlds}, no intervals")];
+        }
+        let mut lines = vec![format!("{mission}: means over {worlds}, 95 % bootstrap intervals")];
+        lines.extend(self.is_hint().then(|| TOO_SHORT.to_owned()));
+        lines
+    }
+
+    /// Whether the worlds say anything of the spread: one does not.
+    pub(super) fn has_intervals(&self) -> bool {
+        self.paired.seeds.len() > 1
+    }
+
+    /// Whether there are too few worlds for intervals as wide as they should be.
+    fn is_hint(&self) -> bool {
+        self.has_intervals() && self.paired.seeds.len() < FEW_WORLDS
     }
 
     /// What a variant is called: its policy is left out where there is only one.
@@ -138,8 +161,8 @@ impl Summary {
                 json!({
                     "rule": of.variant.rule.to_string(),
                     "policy": of.variant.policy.to_string(),
-                    "means": by_metric(&of.means),
-                    "less_first": by_metric(&of.differences),
+                    "means": by_metric(&of.means, self.has_intervals()),
+                    "less_first": by_metric(&of.differences, self.has_intervals()),
                     "legs_cut_short": of.cut_short,
                     "legs": of.legs.as_ref().map(calibration),
                 })
@@ -160,22 +183,30 @@ impl Summary {
 
     /// As people read it.
     pub(super) fn write(&self, out: &mut dyn Write) -> std::io::Result<()> {
+        let (finished, worlds) = (self.rows - self.failed.len(), self.paired.seeds.len());
         writeln!(
             out,
-            "{}: {} of {} runs finished; means over {} worlds, 95 % intervals in brackets",
+            "{}: {finished} of {} finished; means over {}, 95 % intervals in brackets",
             self.mission,
-            self.rows - self.failed.len(),
-            self.runs,
-            self.paired.seeds.len()
+            counted(self.runs, "run"),
+            counted(worlds, "world")
         )?;
+        if worlds == 1 {
+            writeln!(out, "1 world has no intervals")?;
+        }
+        if self.is_hint() {
+            writeln!(out, "{TOO_SHORT}")?;
+        }
         if !self.paired.left_out.is_empty() {
             let count = self.paired.left_out.len();
-            writeln!(out, "{count} worlds are left out: not all their runs finished")?;
+            let are = if count == 1 { "is" } else { "are" };
+            writeln!(out, "{} {are} left out: not all runs finished", counted(count, "world"))?;
         }
-        writeln!(out, "{}\n", self.values(|of| &of.means, 0))?;
+        writeln!(out)?;
+        self.write_values(out, &self.variants, |of| &of.means)?;
         if self.variants.len() > 1 {
-            writeln!(out, "in the same worlds, less {}", self.variants[0].variant)?;
-            writeln!(out, "{}\n", self.values(|of| &of.differences, 1))?;
+            writeln!(out, "in the same worlds, less {}\n", self.variants[0].variant)?;
+            self.write_values(out, &self.variants[1..], |of| &of.differences)?;
         }
         self.write_legs(out)?;
         for (index, error) in &self.failed {
@@ -184,41 +215,48 @@ impl Summary {
         Ok(())
     }
 
-    /// One line a variant, from some variant on, with the metrics that people look at.
-    fn values(&self, of: impl Fn(&Of) -> &Vec<Option<Interval>>, from: usize) -> Table {
-        const SHOWN: [(&str, &str, usize); 6] = [
+    /// A column a variant and a row a metric that people look at.
+    fn write_values(
+        &self,
+        out: &mut dyn Write,
+        variants: &[Of],
+        of: impl Fn(&Of) -> &Vec<Option<Interval>>,
+    ) -> std::io::Result<()> {
+        const SHOWN: [(&str, &str, usize); 8] = [
             ("goals", "goals", 1),
-            ("interest_own_map", "interest\nown map", 3),
-            ("interest_ruler", "interest\nruler", 3),
-            ("distance_m", "distance\nm", 0),
+            ("interest_own_map", "interest, own map", 3),
+            ("interest_ruler", "interest, ruler", 3),
+            ("distance_m", "distance, m", 0),
+            ("time_s", "time, s", 0),
+            ("energy_j", "energy, J", 0),
             ("reliability", "reliability", 3),
-            ("reallocations", "realloc.", 1),
+            ("reallocations", "reallocations", 1),
         ];
-        let mut table = Table::new();
-        table.load_style(NOTHING);
-        let names = ["rule", "policy"].into_iter().chain(SHOWN.map(|(_, title, _)| title));
-        table.set_header(names);
-        for variant in &self.variants[from..] {
-            let mut row =
-                vec![variant.variant.rule.to_string(), variant.variant.policy.to_string()];
-            for (name, _, digits) in SHOWN {
+        for variants in variants.chunks(ABREAST) {
+            let mut table = Table::new();
+            table.load_style(NOTHING);
+            let name = |of: &Of| format!("{}\n{}", of.variant.rule, of.variant.policy);
+            table.set_header(std::iter::once(String::new()).chain(variants.iter().map(name)));
+            for (name, title, digits) in SHOWN {
                 let metric = METRICS.iter().position(|metric| metric.name == name);
-                let interval = metric.and_then(|metric| of(variant)[metric]);
-                row.push(interval.map_or_else(
-                    || "-".to_owned(),
-                    |i| format!("{:.digits$}\n[{:.digits$}, {:.digits$}]", i.mean, i.low, i.high),
-                ));
+                let value = |variant: &Of| {
+                    let Some(i) = metric.and_then(|metric| of(variant)[metric]) else {
+                        return "-".to_owned();
+                    };
+                    if !self.has_intervals() {
+                        return format!("{:.digits$} [-]", i.mean);
+                    }
+                    format!("{:.digits$} [{:.digits$}, {:.digits$}]", i.mean, i.low, i.high)
+                };
+                table.add_row(std::iter::once(title.to_owned()).chain(variants.iter().map(value)));
             }
-            table.add_row(row);
+            writeln!(out, "{}\n", table.trim_fmt())?;
         }
-        table
+        Ok(())
     }
 
     fn write_legs(&self, out: &mut dyn Write) -> std::io::Result<()> {
-        writeln!(
-            out,
-            "legs: predicted reliability against what happened (legs cut short left out)"
-        )?;
+        writeln!(out, "legs: predicted reliability against what happened")?;
         let mut table = Table::new();
         table.load_style(NOTHING);
         table.set_header([
@@ -228,36 +266,66 @@ impl Summary {
             "arrived",
             "predicted",
             "Brier",
-            "if true",
-            "p\nHosmer-L.",
-            "p\nSpiegelh.",
+            "Brier\nexpected",
+            "p\n(H-L)",
+            "p\n(Spiegelhalter)",
             "cut\nshort",
         ]);
         for of in &self.variants {
             let Some(legs) = &of.legs else { continue };
-            let chance = |p: Option<f64>| p.map_or_else(|| "-".to_owned(), |p| format!("{p:.3}"));
+            let chance = |p: Option<f64>| p.map_or_else(|| "-".to_owned(), chance);
             table.add_row([
                 of.variant.rule.to_string(),
                 of.variant.policy.to_string(),
                 legs.count.to_string(),
                 legs.happened.to_string(),
                 format!("{:.1}", legs.mean_predicted * legs.count as f64),
-                format!("{:.4}", legs.brier.score),
-                format!("{:.4}", legs.brier.expected),
+                score(legs.brier.score),
+                score(legs.brier.expected),
                 chance(legs.hosmer_lemeshow.map(|test| test.p)),
                 chance(legs.spiegelhalter.map(|test| test.p)),
                 of.cut_short.to_string(),
             ]);
         }
-        writeln!(out, "{table}")
+        writeln!(out, "{}", table.trim_fmt())?;
+        let left_out = |of: &Of| of.legs.as_ref().is_some_and(|l| l.hosmer_lemeshow.is_none());
+        if self.variants.iter().any(left_out) {
+            writeln!(
+                out,
+                "H-L (Hosmer-Lemeshow) is left out where fewer than 5 failures (or fewer than 5 arrivals) are expected"
+            )?;
+        }
+        let cut: usize = self.variants.iter().map(|of| of.cut_short).sum();
+        if cut > 0 {
+            let (legs, were) = (counted(cut, "leg"), if cut == 1 { "was" } else { "were" });
+            writeln!(
+                out,
+                "{legs} {were} cut short and left out; the others are no fair sample, so p is a hint and no test"
+            )?;
+        }
+        writeln!(out)
     }
 }
 
-fn by_metric(intervals: &[Option<Interval>]) -> Value {
+/// A Brier score: four decimals, or its power of ten where they would be zeros.
+pub(super) fn score(score: f64) -> String {
+    if score >= 1e-3 || score == 0.0 { format!("{score:.4}") } else { format!("{score:.1e}") }
+}
+
+/// A p-value: below a thousandth, how far below says nothing.
+pub(super) fn chance(p: f64) -> String {
+    if p < 1e-3 { "<0.001".to_owned() } else { format!("{p:.3}") }
+}
+
+/// Means by the name of their metric, with their intervals if those are `known`.
+fn by_metric(intervals: &[Option<Interval>], known: bool) -> Value {
+    let value = |i: &Interval| {
+        if known { interval(i) } else { json!({ "mean": i.mean, "low": null, "high": null }) }
+    };
     let fields: Map<String, Value> = METRICS
         .iter()
         .zip(intervals)
-        .filter_map(|(metric, i)| Some((metric.name.to_owned(), interval(i.as_ref()?))))
+        .filter_map(|(metric, i)| Some((metric.name.to_owned(), value(i.as_ref()?))))
         .collect();
     Value::Object(fields)
 }
@@ -301,4 +369,22 @@ fn calibration(legs: &Calibration) -> Value {
         "spiegelhalter": legs.spiegelhalter.map(|test| json!({ "z": test.z, "p": test.p })),
         "bins": bins,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_number_is_told_as_zero_that_is_none() {
+        assert_eq!(score(4e-7), "4.0e-7");
+        assert_eq!(score(0.01874), "0.0187");
+        assert_eq!(score(0.0), "0.0000");
+        assert_eq!([chance(1e-9), chance(0.0321), chance(1.0)], ["<0.001", "0.032", "1.000"]);
+    }
+
+    #[test]
+    fn one_thing_is_not_several() {
+        assert_eq!([counted(1, "world"), counted(2, "run")], ["1 world", "2 runs"]);
+    }
 }

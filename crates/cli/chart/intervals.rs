@@ -8,12 +8,10 @@ use crate::figure::text::{BODY, advance, fit, line_height, wrap};
 
 use super::drawing::{Drawing, Tint, long};
 use super::scale::Scale;
-use super::{CAP, DOT, GAP, MARGIN, PLOT, TICK, WHISKER};
+use super::{CAP, DOT, GAP, MARGIN, PLOT, ROOM, TICK, WHISKER};
 
 /// Height of a row, pixels.
 const ROW: i32 = 30;
-/// Room beside a whisker, as a share of the interval.
-const ROOM: f64 = 0.02;
 /// The longest name of a row, characters.
 const LONGEST: usize = 40;
 
@@ -30,18 +28,19 @@ pub(crate) struct Intervals<'a> {
     pub(crate) rows: &'a [(String, Interval)],
     /// Whether zero is to be on the axis, with a dashed line: for differences.
     pub(crate) zero_line: bool,
+    /// Whether the intervals are known: those of a single value are not, and only the mean is drawn.
+    pub(crate) whiskers: bool,
 }
 
 impl Intervals<'_> {
     /// Lays the chart out.
     pub(crate) fn drawing(&self) -> Drawing {
         let zero = self.zero_line.then_some(0.0);
-        // A little further out, so that no whisker ends in the frame.
-        let room = |i: &Interval| ROOM * (i.high - i.low);
-        let ends = |(_, i): &(String, Interval)| [i.low - room(i), i.mean, i.high + room(i)];
+        let ends = |(_, i): &(String, Interval)| [i.low, i.mean, i.high];
         let scale = Scale::around(self.rows.iter().flat_map(ends).chain(zero), PLOT);
+        let scale = scale.with_room(ROOM);
         let names: Vec<String> = self.rows.iter().map(|(name, _)| fit(name, LONGEST)).collect();
-        let numbers: Vec<String> = self.rows.iter().map(|(_, i)| told(scale, *i)).collect();
+        let numbers: Vec<String> = self.rows.iter().map(|(_, i)| self.told(scale, *i)).collect();
         let widest = |texts: &[String]| texts.iter().map(|t| long(BODY, t)).max().unwrap_or(0);
 
         let left = MARGIN + widest(&names) + GAP;
@@ -75,23 +74,35 @@ impl Intervals<'_> {
             drawing.text_before(&names[i], plot.left - GAP, row);
             drawing.text_after(&numbers[i], plot.right() + GAP, row);
             let y = row as f32;
-            let (low, high) = (x(interval.low), x(interval.high));
-            drawing.line((low, y), (high, y), WHISKER, Tint::Data);
-            for end in [low, high] {
-                drawing.line((end, y - CAP), (end, y + CAP), WHISKER, Tint::Data);
+            if self.whiskers {
+                let (low, high) = (x(interval.low), x(interval.high));
+                drawing.line((low, y), (high, y), WHISKER, Tint::Data);
+                for end in [low, high] {
+                    drawing.line((end, y - CAP), (end, y + CAP), WHISKER, Tint::Data);
+                }
             }
             drawing.dot((x(interval.mean), y), DOT, Tint::Data);
         }
         drawing
     }
-}
 
-/// An interval's numbers, as finely as the axis can show them.
-fn told(scale: Scale, interval: Interval) -> String {
-    let step = (scale.high - scale.low) / f64::from(PLOT);
-    let largest = scale.high.abs().max(scale.low.abs());
-    let number = |value| number(value, step, largest);
-    format!("{} [{}, {}]", number(interval.mean), number(interval.low), number(interval.high))
+    /// An interval's numbers, as finely as the axis can show them and with the same decimals in every row.
+    fn told(&self, scale: Scale, interval: Interval) -> String {
+        let step = (scale.high - scale.low) / f64::from(PLOT);
+        let largest = scale.high.abs().max(scale.low.abs());
+        // A zero has its decimals too.
+        let zero = number(step, step, largest).replace(|c: char| c.is_ascii_digit(), "0");
+        let number = |value: f64| {
+            if value.abs() < step / 2.0 && !zero.contains('e') {
+                return zero.clone();
+            }
+            number(value, step, largest)
+        };
+        if !self.whiskers {
+            return number(interval.mean);
+        }
+        format!("{} [{}, {}]", number(interval.mean), number(interval.low), number(interval.high))
+    }
 }
 
 #[cfg(test)]
@@ -105,7 +116,8 @@ mod tests {
             .map(|&(name, low, mean, high)| (name.to_owned(), Interval { mean, low, high }))
             .collect();
         let (title, quantity) = ("Interest by rule of combination", "interest gained (sites)");
-        Intervals { title, remarks: &[], quantity, rows: &rows, zero_line }.drawing()
+        Intervals { title, remarks: &[], quantity, rows: &rows, zero_line, whiskers: true }
+            .drawing()
     }
 
     #[test]
@@ -135,5 +147,27 @@ mod tests {
     fn numbers_are_told_as_finely_as_drawn() {
         let drawing = chart(&[("dsmc", 4.1, 4.5, 4.9)], false);
         assert!(drawing.texts().contains(&"4.500 [4.100, 4.900]"), "{:?}", drawing.texts());
+        let drawing = chart(&[("pcr6", -0.25, 0.0, 0.5)], true);
+        assert!(drawing.texts().contains(&"0.000 [-0.250, 0.500]"), "{:?}", drawing.texts());
+    }
+
+    #[test]
+    fn marks_at_the_ends_of_the_axis_lie_inside_the_frame() {
+        for (rows, zero_line) in [
+            (vec![("a", 4.0, 4.0, 5.0), ("b", 4.5, 5.0, 5.0)], false),
+            (vec![("c", 0.0, 0.0, 2.0)], true),
+        ] {
+            let drawing = chart(&rows, zero_line);
+            let frame = drawing.marks.iter().find_map(|mark| match mark {
+                Mark::Fill { area, tint: Tint::Dark } if area.width == PLOT => Some(*area),
+                _ => None,
+            });
+            let frame = frame.expect("a frame");
+            for mark in &drawing.marks {
+                let Mark::Dot { centre, radius, .. } = mark else { continue };
+                assert!(centre.0 - radius > frame.left as f32, "{mark:?}");
+                assert!(centre.0 + radius < frame.right() as f32, "{mark:?}");
+            }
+        }
     }
 }

@@ -28,5 +28,7 @@ const PLOT: i32 = 440;
 const WHISKER: f32 = 1.25;
 /// Radius of a dot, pixels.
 const DOT: f32 = 5.0;
+/// Room between the frame and a mark at the end of an axis, pixels: a dot, its rim, and a gap.
+const ROOM: i32 = 9;
 /// From the middle of a whisker to the end of its cap, pixels.
 const CAP: f32 = 5.0;

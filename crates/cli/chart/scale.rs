@@ -48,9 +48,27 @@ impl Scale {
         Self { low, high, length }
     }
 
-    /// The same axis, its ends no further out than those given.
-    pub(super) fn within(self, low: f64, high: f64) -> Self {
-        Self { low: self.low.max(low), high: self.high.min(high), ..self }
+    /// An axis from the least to the largest of some shares, a thousandth long at least: finer differences of shares
+    /// say nothing.
+    pub(super) fn of_shares(values: impl Iterator<Item = f64>, length: i32) -> Self {
+        const LEAST: f64 = 1e-3;
+        let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
+            (low.min(value), high.max(value))
+        });
+        if low > high {
+            return Self { low: 0.0, high: 1.0, length };
+        }
+        let room = (LEAST - (high - low)).max(0.0);
+        // No further than the ends of all shares, where the other side gets the rest.
+        let low = (low - room / 2.0).clamp(0.0, 1.0 - LEAST);
+        Self { low, high: high.max(low + LEAST), length }
+    }
+
+    /// The same axis with some pixels more at either end, so that marks on its ends lie inside.
+    pub(super) fn with_room(self, pixels: i32) -> Self {
+        let inner = f64::from(self.length - 2 * pixels);
+        let room = (self.high - self.low) * f64::from(pixels) / inner;
+        Self { low: self.low - room, high: self.high + room, ..self }
     }
 
     /// Pixels from the low end to a value.
@@ -99,7 +117,24 @@ mod tests {
         assert!((scale.low - 0.5).abs() < 1e-12 && (scale.high - 1.0).abs() < 1e-12, "{scale:?}");
         let exact = Scale::around([0.3, 0.9].into_iter(), 440);
         assert!((exact.low - 0.3).abs() < 1e-12 && (exact.high - 0.9).abs() < 1e-12, "{exact:?}");
-        assert_eq!(scale.within(0.6, 0.9).low, 0.6);
+    }
+
+    #[test]
+    fn room_is_as_many_pixels_as_asked_for() {
+        let scale = Scale::around([0.3, 0.9].into_iter(), 440).with_room(20);
+        assert!((scale.at(0.3) - 20.0).abs() < 1e-3 && (scale.at(0.9) - 420.0).abs() < 1e-3);
+    }
+
+    #[test]
+    fn an_axis_of_shares_is_as_long_as_its_values_and_never_leaves_0_to_1() {
+        let scale = Scale::of_shares([0.963, 0.98, 1.0].into_iter(), 440);
+        assert_eq!((scale.low, scale.high), (0.963, 1.0));
+        for value in [0.0, 0.3, 1.0] {
+            let scale = Scale::of_shares([value].into_iter(), 440);
+            assert!(0.0 <= scale.low && scale.low <= value, "{scale:?}");
+            assert!(value <= scale.high && scale.high <= 1.0, "{scale:?}");
+            assert!((scale.high - scale.low - 1e-3).abs() < 1e-12, "{scale:?}");
+        }
     }
 
     #[test]

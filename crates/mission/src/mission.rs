@@ -805,14 +805,13 @@ impl Reader<'_> {
         let Some(name) = &rover.preset else { return Ok(rover.vehicle.clone()) };
         let path = format!("presets/{name}.toml");
         let plain = name.chars().all(|c| c.is_ascii_alphanumeric() || "-_".contains(c));
-        let text = match plain.then(|| files.bytes(&path)) {
-            Some(Ok(bytes)) => text_of(&path, bytes)?,
-            _ => {
-                let built_in = Preset::named(name);
-                let text = built_in.map_err(|e| self.error(&["rover", "preset"], e))?.text();
-                files.taken.insert(path.clone(), text.as_bytes().to_vec());
-                text.to_owned()
-            }
+        let text = if let Some(Ok(bytes)) = plain.then(|| files.bytes(&path)) {
+            text_of(&path, bytes)?
+        } else {
+            let built_in = Preset::named(name);
+            let text = built_in.map_err(|e| self.error(&["rover", "preset"], e))?.text();
+            files.taken.insert(path.clone(), text.as_bytes().to_vec());
+            text.to_owned()
         };
         let mut table =
             Preset::table_of(&text).map_err(|e| MissionError::of_toml(&path, &text, &e))?;

@@ -82,8 +82,36 @@ fn a_row_tells_what_the_run_came_to_and_reads_back_as_it_was() {
 
     let text = toml::to_string(&row).expect("a row is plain");
     assert_eq!(toml::from_str::<Row>(&text).expect("it reads back"), row);
+    assert!(row.is_unchanged());
+    let mut edited = row.clone();
+    let RowResult::Finished(numbers) = &mut edited.result else { panic!("it finished") };
+    numbers.distance_m = numbers.distance_m.next_up();
+    assert!(!edited.is_unchanged(), "the last bit of a number counts");
     let other = Row { version: row.version + 1, ..row.clone() };
     assert!(!other.is_of(&case), "another version is another row");
+}
+
+#[test]
+fn a_row_edited_in_any_of_its_parts_no_longer_fits_its_digest() {
+    let plan = Plan::new(vec![1, 2], &rules(), &policies()).expect("a plan");
+    let case = plan.case(1).expect("one of 8");
+    let made = Row::failed(&case, "no ground".into());
+    assert!(made.is_unchanged());
+    let text = toml::to_string(&made).expect("a row is plain");
+    assert!(toml::from_str::<Row>(&text).expect("it reads back").is_unchanged());
+    let edited = [
+        Row { version: made.version + 1, ..made.clone() },
+        Row { index: 2, ..made.clone() },
+        Row { seed: 2, ..made.clone() },
+        Row { rule: "pcr6".into(), ..made.clone() },
+        Row { policy: "most-interesting".into(), ..made.clone() },
+        Row { result: RowResult::Failed { error: "no grounds".into() }, ..made.clone() },
+        Row { result: row(&plan, 1).result, ..made.clone() },
+        Row { digest: String::new(), ..made.clone() },
+    ];
+    for row in edited {
+        assert!(!row.is_unchanged(), "{row:?}");
+    }
 }
 
 /// A row whose numbers follow from its place.
