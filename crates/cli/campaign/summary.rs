@@ -52,8 +52,6 @@ pub(super) struct Summary {
     failed: Vec<(usize, String)>,
     paired: PairedTable,
     pub(super) variants: Vec<Of>,
-    /// Over all runs; none without legs that ended.
-    legs: Option<Calibration>,
 }
 
 impl Summary {
@@ -93,8 +91,6 @@ impl Summary {
                 RowResult::Finished(_) => None,
             })
             .collect();
-        let legs: Vec<Forecast> =
-            rows.iter().filter_map(Row::run).flat_map(RunRow::forecasts).collect();
         Self {
             mission: folder.manifest.mission.clone(),
             runs: folder.plan.len(),
@@ -102,7 +98,6 @@ impl Summary {
             failed,
             paired,
             variants,
-            legs: Calibration::of(&legs, BINS),
         }
     }
 
@@ -177,7 +172,6 @@ impl Summary {
             "paired_seeds": self.paired.seeds.len(),
             "seeds_left_out": self.paired.left_out,
             "variants": variants,
-            "legs": self.legs.as_ref().map(calibration),
         })
     }
 
