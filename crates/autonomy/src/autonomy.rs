@@ -549,7 +549,8 @@ impl Autonomy {
             min_reliability: limits.min_reliability,
         };
         let invalid = |why: String| AutonomyError::InvalidPlan { why };
-        let plan = plan(self.pose.cell, sequence, problem.travel, nodes);
+        let plan = plan(self.pose.cell, sequence, problem.travel, nodes)
+            .ok_or_else(|| invalid("a leg is not in the travel matrix".to_owned()))?;
         validate(&plan, &maps.ground, &self.spec.vehicle, &budget)
             .map_err(|violation| invalid(violation.to_string()))?;
         let state = self.manager.state();
@@ -672,24 +673,27 @@ fn nodes(
     (nodes, of)
 }
 
-/// The legs of a sequence.
-fn plan(start: Cell, sequence: &GoalSequence, travel: &TravelMatrix, nodes: &[Cell]) -> Plan {
+/// The legs of a sequence; none if one of them is not in the matrix.
+fn plan(
+    start: Cell,
+    sequence: &GoalSequence,
+    travel: &TravelMatrix,
+    nodes: &[Cell],
+) -> Option<Plan> {
     let mut from = 0;
     let legs = sequence
         .stops
         .iter()
         .enumerate()
         .map(|(stop, s)| {
-            let route = travel
-                .route(from, s.pose, s.alternative)
-                .expect("the search took this leg from the matrix");
+            let route = travel.route(from, s.pose, s.alternative)?;
             from = s.pose;
             let service =
                 Service { time_s: s.expansion.cost.time_s, energy_j: s.expansion.cost.energy_j };
-            Leg { stop, pose: nodes[s.pose], route, service }
+            Some(Leg { stop, pose: nodes[s.pose], route, service })
         })
-        .collect();
-    Plan::new(start, legs)
+        .collect::<Option<_>>()?;
+    Some(Plan::new(start, legs))
 }
 
 /// Whether two plans for one order stop at the same poses and take the same ways there.

@@ -11,6 +11,7 @@ use wisdom_planner::Route;
 use wisdom_terrain::TerrainError;
 
 use crate::fault::Faults;
+use crate::statistics::{Forecast, brier};
 use crate::{FaultEvent, Mission, RecordError, Recorder, Ruler, Step};
 
 /// Why a run ended.
@@ -138,12 +139,12 @@ impl RunSummary {
     /// themselves (Brier 1950); none without such legs.
     #[must_use]
     pub fn brier(&self) -> Option<f64> {
-        let ended: Vec<f64> = self
-            .legs
-            .iter()
-            .filter_map(|leg| leg.arrived.map(|a| (leg.predicted - f64::from(u8::from(a))).powi(2)))
-            .collect();
-        (!ended.is_empty()).then(|| ended.iter().sum::<f64>() / ended.len() as f64)
+        let ended = self.legs.iter();
+        brier(
+            ended.filter_map(|leg| {
+                Some(Forecast { predicted: leg.predicted, happened: leg.arrived? })
+            }),
+        )
     }
 }
 

@@ -6,7 +6,9 @@ use rayon::prelude::*;
 use wisdom_grid::Cell;
 
 use crate::field::{Scratch, WorstStep, field_in, follow};
-use crate::{CostVector, FieldOptions, Limits, Route, Traversability, WeighedGround, Weights};
+use crate::{
+    CostVector, FieldOptions, Limits, Route, Traversability, WeighedGround, Weights, non_dominated,
+};
 
 use cache::CellSet;
 pub use cache::TravelCache;
@@ -183,23 +185,13 @@ impl<'a> Survey<'a> {
 impl Entry {
     /// The routes that no other one equals or beats, most reliable first; of equals the first stays.
     fn of(ground: &Traversability, source: Cell, ways: Vec<Vec<u8>>) -> Self {
-        let mut all: Vec<(CostVector, Vec<u8>)> =
-            ways.into_iter().map(|steps| (follow(ground, source, &steps).cost, steps)).collect();
-        all.sort_by(|(a, _), (b, _)| {
-            let by_reliability = a.neg_ln_r.total_cmp(&b.neg_ln_r);
-            by_reliability
-                .then(a.time_s.total_cmp(&b.time_s))
-                .then(a.energy_j.total_cmp(&b.energy_j))
-        });
+        let costs: Vec<CostVector> =
+            ways.iter().map(|steps| follow(ground, source, steps).cost).collect();
+        let mut ways: Vec<Option<Vec<u8>>> = ways.into_iter().map(Some).collect();
         let mut entry = Self::default();
-        for (cost, steps) in all {
-            // Those kept are no less reliable, so two comparisons are left.
-            let is_beaten =
-                |kept: &CostVector| kept.time_s <= cost.time_s && kept.energy_j <= cost.energy_j;
-            if !entry.costs.iter().any(is_beaten) {
-                entry.costs.push(cost);
-                entry.steps.push(steps);
-            }
+        for index in non_dominated(&costs) {
+            entry.costs.push(costs[index]);
+            entry.steps.extend(ways[index].take());
         }
         entry
     }

@@ -1,5 +1,8 @@
 //! Laws of the judged ground, for any heights, vehicle and classes: worse is never better.
 
+mod drawn;
+
+use drawn::{mirrored, turned};
 use proptest::prelude::*;
 use wisdom_grid::{Cell, GridSpec, Raster};
 use wisdom_planner::{CostVector, FieldOptions, SlipClass, Traversability, Vehicle, field};
@@ -342,19 +345,6 @@ fn check_same(
         }
     }
     Ok(())
-}
-
-/// A raster turned by a quarter: the first column, read upwards, becomes the first row.
-fn turned<T: Copy>(raster: &Raster<T>) -> Raster<T> {
-    let spec = raster.spec();
-    let (rows, cols) = (spec.rows(), spec.cols());
-    let spec = GridSpec::new(cols, rows, spec.spacing_m()).expect("a small grid");
-    Raster::from_fn(spec, |cell| raster[Cell::new(rows - 1 - cell.col, cell.row)])
-}
-
-fn mirrored<T: Copy>(raster: &Raster<T>) -> Raster<T> {
-    let cols = raster.spec().cols();
-    Raster::from_fn(raster.spec(), |cell| raster[Cell::new(cell.row, cols - 1 - cell.col)])
 }
 
 fn moved(layer: &Layer, raster: impl Fn(&Raster<f32>) -> Raster<f32>) -> Layer {

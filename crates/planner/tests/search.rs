@@ -2,7 +2,7 @@
 
 mod drawn;
 
-use drawn::{Total, any_ground, pick, with_ground};
+use drawn::{Total, any_ground, mirrored, pick, turned, with_ground};
 use pathfinding::prelude::dijkstra_all;
 use proptest::prelude::*;
 use wisdom_grid::{Cell, GridSpec, Raster};
@@ -31,19 +31,6 @@ fn successors(ground: &Traversability, from: Cell) -> Vec<(Cell, Total)> {
 
 fn all() -> FieldOptions<'static> {
     FieldOptions::default()
-}
-
-/// Turned by a quarter, so that the first column (read upwards) becomes the first row.
-fn turned<T: Copy>(raster: &Raster<T>) -> Raster<T> {
-    let spec = raster.spec();
-    let (rows, cols) = (spec.rows(), spec.cols());
-    let spec = GridSpec::new(cols, rows, spec.spacing_m()).expect("a small grid");
-    Raster::from_fn(spec, |cell| raster[Cell::new(rows - 1 - cell.col, cell.row)])
-}
-
-fn mirrored<T: Copy>(raster: &Raster<T>) -> Raster<T> {
-    let cols = raster.spec().cols();
-    Raster::from_fn(raster.spec(), |cell| raster[Cell::new(cell.row, cols - 1 - cell.col)])
 }
 
 proptest! {

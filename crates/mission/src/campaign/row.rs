@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use wisdom_goals::Action;
 
-use crate::statistics::Forecast;
+use crate::statistics::{Forecast, brier};
 use crate::{Case, RunSummary};
 
 /// The version of [`Row`]: a row of another one is computed again.
@@ -237,9 +237,6 @@ impl RunRow {
     /// themselves (Brier 1950); none without such legs.
     #[must_use]
     pub fn brier(&self) -> Option<f64> {
-        let (count, sum) = self.forecasts().fold((0u32, 0.0), |(count, sum), leg| {
-            (count + 1, sum + (leg.predicted - f64::from(u8::from(leg.happened))).powi(2))
-        });
-        (count > 0).then(|| sum / f64::from(count))
+        brier(self.forecasts())
     }
 }

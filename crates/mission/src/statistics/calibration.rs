@@ -32,6 +32,16 @@ pub struct Bin {
     pub observed: Interval,
 }
 
+/// Mean squared difference of forecast and outcome, Σ (p − o)²/n (Brier 1950); none without forecasts.
+#[must_use]
+pub fn brier(forecasts: impl IntoIterator<Item = Forecast>) -> Option<f64> {
+    let (count, sum) = forecasts.into_iter().fold((0u32, 0.0), |(count, sum), forecast| {
+        let off = forecast.predicted - outcome(&forecast);
+        (count + 1, sum + off * off)
+    });
+    (count > 0).then(|| sum / f64::from(count))
+}
+
 /// The Brier score and its parts.
 ///
 /// `score = reliability − resolution + uncertainty + within`. Over bins of one probability each, `within` is 0 and the

@@ -25,7 +25,7 @@ mod calibration;
 mod distribution;
 
 pub use bootstrap::{mean_interval, paired_difference};
-pub use calibration::{Bin, Brier, Calibration, Forecast, HosmerLemeshow, Spiegelhalter};
+pub use calibration::{Bin, Brier, Calibration, Forecast, HosmerLemeshow, Spiegelhalter, brier};
 pub use distribution::{chi_square_survival, normal_two_sided, wilson};
 
 /// A mean or a share with its 95 % confidence interval, in the unit of what was averaged.

@@ -88,3 +88,16 @@ pub(crate) fn open_steps(ground: &Traversability, from: Cell) -> Vec<(Cell, Cost
     let spec = ground.spec();
     spec.neighbours(from).filter_map(|to| Some((to, ground.edge(from, to)?))).collect()
 }
+
+/// A raster turned by a quarter: the first column, read upwards, becomes the first row.
+pub(crate) fn turned<T: Copy>(raster: &Raster<T>) -> Raster<T> {
+    let spec = raster.spec();
+    let (rows, cols) = (spec.rows(), spec.cols());
+    let spec = GridSpec::new(cols, rows, spec.spacing_m()).expect("a small grid");
+    Raster::from_fn(spec, |cell| raster[Cell::new(rows - 1 - cell.col, cell.row)])
+}
+
+pub(crate) fn mirrored<T: Copy>(raster: &Raster<T>) -> Raster<T> {
+    let cols = raster.spec().cols();
+    Raster::from_fn(raster.spec(), |cell| raster[Cell::new(cell.row, cols - 1 - cell.col)])
+}
