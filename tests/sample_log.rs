@@ -10,7 +10,12 @@ fn sample(name: &str) -> PathBuf {
 
 #[test]
 fn sample_logs_of_every_version_read_back_whole() {
-    for name in ["paper-0.1.0.mcap", "paper-decisions-2.mcap", "paper-decisions-3.mcap"] {
+    for name in [
+        "paper-0.1.0.mcap",
+        "paper-decisions-2.mcap",
+        "paper-decisions-3.mcap",
+        "paper-decisions-4.mcap",
+    ] {
         let log = LogReader::open(&sample(name)).expect("the sample is a log");
         assert_eq!(log.status, Status::Complete, "{name}");
         assert_eq!(log.metadata["mission"], "paper");
@@ -26,7 +31,7 @@ fn sample_logs_of_every_version_read_back_whole() {
 
 #[test]
 fn the_newest_sample_is_decided_again() {
-    let path = sample("paper-decisions-3.mcap");
+    let path = sample("paper-decisions-4.mcap");
     let log = LogReader::open(&path).expect("the sample is a log");
     let versions: Vec<u32> = log.decisions().map(|d| d.decision_version).collect();
     assert!(

@@ -286,12 +286,13 @@ fn tell_choice(
                 writeln!(
                     out,
                     "             all objectives: expected-interest {:.4}, most-interesting {:.4}, \
-                     all-or-nothing {:.4}, chance-constrained {:.4}, net-benefit {}",
+                     all-or-nothing {:.4}, chance-constrained {:.4}, net-benefit {}, utility {}",
                     all.expected_interest,
                     all.most_interesting,
                     all.all_or_nothing,
                     all.chance_constrained,
-                    all.net_benefit.map_or_else(|| "unbounded".into(), |n| format!("{n:.4}"))
+                    all.net_benefit.map_or_else(|| "unbounded".into(), |n| format!("{n:.4}")),
+                    all.utility.map_or_else(|| "unknown".into(), |u| format!("{u:.4}"))
                 )?;
             }
             for stop in &s.stops {

@@ -2,10 +2,11 @@
 
 use std::collections::BTreeMap;
 
+use rayon::prelude::*;
 use wisdom_fusion::credit;
 use wisdom_goals::{
     Approach, CausalGraph, Event, FactSet, Goal, GoalId, GoalManager, GoalSequence, Limits, Poses,
-    Problem, Selection, Shortlist, Survey, poses,
+    Preferences, Prices, Problem, Selection, Shortlist, Survey, poses,
 };
 use wisdom_grid::{Cell, Window};
 use wisdom_planner::{
@@ -16,12 +17,9 @@ use wisdom_planner::{
 use crate::maps::Digester;
 use crate::{
     Act, AutonomyError, Decision, Digest, Digests, FrontOf, Knowledge, MIN_WORKING_CELLS, Maps,
-    Objectives, Observation, Outcome, PlanOption, Pose, RoverState, Source, Spec, Spent,
-    StepResult, Trigger,
+    Objectives, Observation, Outcome, PlanOption, Pose, RoverState, Source, Spec, Spent, Stage,
+    StepResult, Trigger, Watch,
 };
-
-/// λ of the net-benefit objective (DESIGN: λ = 1, μ = 0).
-const NET_RISK: f64 = 1.0;
 
 /// Cells around a goal whose ground decides whether a place given up may be tried again.
 const LOCAL_GROUND: usize = 8;
@@ -154,6 +152,19 @@ impl Autonomy {
     /// # Errors
     /// [`AutonomyError`] if the observation is out of order, off the grid or holds bad readings.
     pub fn observe(&mut self, observation: &Observation) -> Result<(), AutonomyError> {
+        self.observe_watched(observation, &mut |_| {})
+    }
+
+    /// [`Autonomy::observe`], with someone told of each [`Stage`] as it ends. Stages that are not gone through are
+    /// not told of: without a new reading the maps stay.
+    ///
+    /// # Errors
+    /// As [`Autonomy::observe`].
+    pub fn observe_watched(
+        &mut self,
+        observation: &Observation,
+        watch: Watch<'_>,
+    ) -> Result<(), AutonomyError> {
         if observation.number != self.observations {
             return Err(AutonomyError::ObservationOrder {
                 expected: self.observations,
@@ -165,27 +176,37 @@ impl Autonomy {
         self.observations += 1;
         self.pose = observation.pose;
         self.spent = observation.spent;
-        self.derive_maps(changed)?;
+        watch(Stage::Readings);
+        self.derive_maps(changed, watch)?;
         if self.decisions > 0 {
-            let noticed = self.notice(changed);
+            let noticed = self.notice(changed.is_some());
             for trigger in noticed {
                 self.trigger(trigger);
             }
         }
+        watch(Stage::Triggers);
         Ok(())
     }
 
     /// Moves the working map on if the rover has come near its edge, and derives the maps anew where that or the
-    /// readings ask for it.
-    fn derive_maps(&mut self, changed: bool) -> Result<(), AutonomyError> {
-        let moved = self.spec.outgrows(self.working, self.pose.cell);
-        if moved {
+    /// readings that changed ask for it.
+    fn derive_maps(
+        &mut self,
+        changed: Option<Window>,
+        watch: Watch<'_>,
+    ) -> Result<(), AutonomyError> {
+        if self.spec.outgrows(self.working, self.pose.cell) {
             self.working = self.spec.working_map(self.pose.cell);
+            self.maps = None;
         }
-        if changed || moved || self.maps.is_none() {
-            let survival = self.manager.survival();
-            self.maps = Some(Maps::new(&self.spec, &self.knowledge, self.working, &survival)?);
-        }
+        let (spec, knowledge, survival) = (&self.spec, &self.knowledge, self.manager.survival());
+        self.maps = Some(match (self.maps.take(), changed) {
+            (None, _) => Maps::new(spec, knowledge, self.working, &survival, watch)?,
+            (Some(maps), Some(changed)) => {
+                maps.revised(spec, knowledge, changed, &survival, watch)?
+            }
+            (Some(maps), None) => maps,
+        });
         Ok(())
     }
 
@@ -202,7 +223,7 @@ impl Autonomy {
         self.facts = self.carried_out(outcome)?;
         self.pose = outcome.pose;
         self.spent = outcome.spent;
-        self.derive_maps(false)?;
+        self.derive_maps(None, &mut |_| {})?;
         match outcome.result {
             StepResult::Achieved(goal) => {
                 self.manager.note(goal, Event::Achieved);
@@ -233,13 +254,30 @@ impl Autonomy {
     /// [`AutonomyError`] if nothing was observed yet, or if a plan fails its independent validation (a bug of
     /// ours, reported rather than driven).
     pub fn decide(&mut self) -> Result<Decision, AutonomyError> {
+        self.decide_watched(&mut |_| {})
+    }
+
+    /// [`Autonomy::decide`], with someone told of each [`Stage`] as it ends.
+    ///
+    /// ```
+    /// # use wisdom_autonomy::{Autonomy, AutonomyError, Decision, Stage};
+    /// fn told(rover: &mut Autonomy) -> Result<(Decision, Vec<Stage>), AutonomyError> {
+    ///     let mut stages = Vec::new();
+    ///     let decision = rover.decide_watched(&mut |stage| stages.push(stage))?;
+    ///     Ok((decision, stages))
+    /// }
+    /// ```
+    ///
+    /// # Errors
+    /// As [`Autonomy::decide`].
+    pub fn decide_watched(&mut self, watch: Watch<'_>) -> Result<Decision, AutonomyError> {
         let maps = self.maps.take().ok_or(AutonomyError::NothingObserved)?;
-        let decision = self.deliberate(&maps);
+        let decision = self.deliberate(&maps, watch);
         self.maps = Some(maps);
         decision
     }
 
-    fn deliberate(&mut self, maps: &Maps) -> Result<Decision, AutonomyError> {
+    fn deliberate(&mut self, maps: &Maps, watch: Watch<'_>) -> Result<Decision, AutonomyError> {
         let state = self.state();
         let triggers = std::mem::take(&mut self.triggers);
         let map_changed = self.knowledge.version() != self.decided_version;
@@ -257,41 +295,56 @@ impl Autonomy {
             map_changed,
         };
         let mut revision = self.manager.revise(&survey);
+        watch(Stage::Goals);
 
         let limits = self.limits();
         // No budget here: a goal beyond it is deferred for time or energy, with the numbers, and must not look
         // unreachable. The sequencer prunes by the budgets.
         let everywhere = FieldOptions { targets: None, limits: DriveLimits::NONE };
         let reach = field(&maps.ground, self.pose.cell, &everywhere);
+        watch(Stage::Reach);
         let poses = self.poses(maps, &reach);
         self.manager.give_up_unreachable(&poses, &survey, &mut revision);
         let shortlist = self.manager.shortlist(&poses);
+        watch(Stage::Poses);
         let (nodes, nodes_of) = nodes(self.pose.cell, &shortlist, &poses);
         let weights = Weights::sweep(&maps.ground, self.spec.routes.alternatives - 1);
         let options = TravelOptions { limits: DriveLimits::NONE, weights: &weights };
         let travel = self.travel.travel(&maps.ground, &nodes, &options);
-        let candidates = self.manager.candidates(&shortlist, &nodes_of);
+        watch(Stage::Travel);
+        let candidates = self.manager.candidates(
+            &shortlist,
+            &nodes_of,
+            self.spec.grid.spacing_m(),
+            self.spent.time_s,
+        );
         let directives = self.manager.directives().to_vec();
         let problem = Problem {
             candidates: &candidates,
             travel: &travel,
+            ends: &[],
             domain: &self.spec.domain,
             directives: &directives,
             facts: self.facts,
             limits,
+            waiting_w: 0.0,
             policy: self.spec.policy,
+            preferences: self.spec.preferences,
         };
         let pinned = state.underway.filter(|_| {
             !triggers.iter().any(|t| matches!(t, Trigger::Risk { .. } | Trigger::RouteBlocked(_)))
         });
         let selection = self.manager.select(&problem, pinned);
+        watch(Stage::Sequences);
         let committed_value = selection.committed.as_ref().map(|s| s.value);
         let verdicts =
             self.manager.commit(revision, &selection, &shortlist, &poses, &problem, map_changed);
+        watch(Stage::Verdicts);
         let family = self.family(maps, &selection, &problem, &nodes)?;
         let chosen = selection.chosen;
         let (act, act_cost) = self.act(maps, &reach, &family[chosen], &limits);
         self.embark(&act, &family[chosen]);
+        watch(Stage::Family);
 
         let digests = Digests {
             frame: maps.frame_digest(&self.spec),
@@ -301,6 +354,7 @@ impl Autonomy {
             ground: maps.ground_digest(),
             travel: travel_digest(&travel, nodes.len()),
         };
+        watch(Stage::Digests);
         let number = self.decisions;
         self.decisions += 1;
         self.decided_version = self.knowledge.version();
@@ -495,8 +549,8 @@ impl Autonomy {
         let state = self.manager.state();
         state
             .goals
-            .values()
-            .map(|goal| {
+            .par_iter()
+            .map(|(_, goal)| {
                 let directive = &self.manager.directives()[goal.directive];
                 let approach = Approach {
                     standoff_m: directive.standoff_m,
@@ -558,7 +612,7 @@ impl Autonomy {
             |goal: GoalId| self.manager.directives()[state.goals[&goal].directive].clone();
         CausalGraph::new(sequence, &self.spec.domain, self.facts, directive_of)
             .map_err(|error| invalid(error.to_string()))?;
-        let objectives = objectives(sequence, limits.min_reliability);
+        let objectives = objectives(sequence, limits.min_reliability, &self.spec.preferences);
         Ok(PlanOption { sequence: sequence.clone(), plan, objectives, front })
     }
 
@@ -688,8 +742,7 @@ fn plan(
         .map(|(stop, s)| {
             let route = travel.route(from, s.pose, s.alternative)?;
             from = s.pose;
-            let service =
-                Service { time_s: s.expansion.cost.time_s, energy_j: s.expansion.cost.energy_j };
+            let service = Service { time_s: s.service.time_s, energy_j: s.service.energy_j };
             Some(Leg { stop, pose: nodes[s.pose], route, service })
         })
         .collect::<Option<_>>()?;
@@ -713,14 +766,22 @@ fn spread<'a>(plans: &[&'a GoalSequence], most: usize) -> Vec<&'a GoalSequence> 
     (0..most).map(|index| plans[index * (plans.len() - 1) / steps]).collect()
 }
 
-fn objectives(sequence: &GoalSequence, floor: f64) -> Objectives {
-    let (prize, reliability) = (sequence.prize, sequence.reliability);
+fn objectives(sequence: &GoalSequence, floor: f64, preferences: &Preferences) -> Objectives {
+    let GoalSequence { prize, fresh, reliability, time_s, energy_j, data_mb, .. } = *sequence;
+    let Prices { risk, energy_per_j, time_per_s, data_per_mb } = preferences.prices;
+    // Nothing is risked for nothing, however unsafe.
+    let danger = if risk > 0.0 { risk * libm::log(reliability) } else { 0.0 };
+    let confident = reliability >= floor.max(preferences.confidence);
     Objectives {
         expected_interest: sequence.expected,
         most_interesting: prize,
         all_or_nothing: prize * reliability,
-        chance_constrained: if reliability >= floor { prize } else { 0.0 },
-        net_benefit: prize + NET_RISK * libm::log(reliability),
+        chance_constrained: if confident { prize } else { 0.0 },
+        net_benefit: prize + danger - energy_per_j * energy_j,
+        utility: fresh + danger
+            - energy_per_j * energy_j
+            - time_per_s * time_s
+            - data_per_mb * data_mb,
     }
 }
 

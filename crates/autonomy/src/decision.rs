@@ -156,10 +156,12 @@ pub struct Objectives {
     pub most_interesting: f64,
     /// J2: Σ prize · reliability of the whole.
     pub all_or_nothing: f64,
-    /// Σ prize if the reliability reaches the floor, else 0.
+    /// CC: Σ prize if the reliability reaches the floor and the confidence asked for, else 0.
     pub chance_constrained: f64,
-    /// Σ prize − λ·(−ln R) with λ = 1 (and μ = 0 on energy).
+    /// NET: Σ prize − λ·(−ln R) − μ·energy.
     pub net_benefit: f64,
+    /// UTIL: Σ prize · freshness − Σ price · resource.
+    pub utility: f64,
 }
 
 /// One member of the plan family.

@@ -30,6 +30,65 @@ struct Measured {
     tiles: BTreeMap<(usize, usize), Tile>,
 }
 
+impl Measured {
+    /// Takes in a window of readings, tile by tile along each row. Returns the smallest window that holds what changed.
+    fn take_in(&mut self, read: &LayerWindow) -> Option<Window> {
+        let Window { row: north, col: west, rows, cols } = read.window;
+        let mut changed: Option<Window> = None;
+        for row in north..north + rows {
+            let mut col = west;
+            while col < west + cols {
+                let end = ((col / TILE + 1) * TILE).min(west + cols);
+                let from = (row - north) * cols + (col - west);
+                let here = from..from + (end - col);
+                let strip = self.take_in_strip(
+                    Cell { row, col },
+                    &read.values[here.clone()],
+                    &read.uncertainty[here],
+                );
+                changed = changed.into_iter().chain(strip).reduce(Window::union);
+                col = end;
+            }
+        }
+        changed
+    }
+
+    /// Takes in readings of cells of one tile that lie in a row, the westernmost at `first`.
+    fn take_in_strip(
+        &mut self,
+        first: Cell,
+        values: &[f32],
+        uncertainty: &[f32],
+    ) -> Option<Window> {
+        // A cell of which nothing was read makes no tile.
+        uncertainty.iter().find(|&&u| u < 1.0)?;
+        let tile =
+            self.tiles.entry((first.row / TILE, first.col / TILE)).or_insert_with(Tile::unknown);
+        let at = (first.row % TILE) * TILE + first.col % TILE;
+        let known = tile.values[at..].iter_mut().zip(&mut tile.uncertainty[at..]);
+        let mut changed: Option<(usize, usize)> = None;
+        for (index, ((value, u), (&read, &read_u))) in
+            known.zip(values.iter().zip(uncertainty)).enumerate()
+        {
+            if read_u >= 1.0 {
+                continue;
+            }
+            let known = (*value, *u);
+            let now = updated(self.update, known, (read, read_u));
+            if now != known {
+                (*value, *u) = now;
+                changed = Some((changed.map_or(index, |(first, _)| first), index));
+            }
+        }
+        changed.map(|(west, east)| Window {
+            row: first.row,
+            col: first.col + west,
+            rows: 1,
+            cols: east - west + 1,
+        })
+    }
+}
+
 /// The measured layers as the rover knows them. Only ground that was ever seen takes memory.
 #[derive(Debug, Clone)]
 pub struct Knowledge {
@@ -55,37 +114,21 @@ impl Knowledge {
         self.version
     }
 
-    /// Takes in windows of readings, each by its layer's map update. Returns whether any reading changed.
+    /// Takes in windows of readings, each by its layer's map update. Returns the smallest window that holds every cell
+    /// of which a reading changed; none if none did.
     ///
     /// # Errors
     /// [`AutonomyError`] if a window names no measured layer, leaves the grid, has the wrong number of values
     /// or holds a value that is not a number or an uncertainty outside [0, 1]; nothing is taken in then.
-    pub fn take_in(&mut self, windows: &[LayerWindow]) -> Result<bool, AutonomyError> {
+    pub fn take_in(&mut self, windows: &[LayerWindow]) -> Result<Option<Window>, AutonomyError> {
         for window in windows {
             self.check(window)?;
         }
-        let mut changed = false;
-        for read in windows {
-            let Some(layer) = self.layers.get_mut(&read.layer) else { continue };
-            for (i, cell) in read.window.cells().enumerate() {
-                let (value, u) = (read.values[i], read.uncertainty[i]);
-                if u >= 1.0 {
-                    continue;
-                }
-                let tile = layer
-                    .tiles
-                    .entry((cell.row / TILE, cell.col / TILE))
-                    .or_insert_with(Tile::unknown);
-                let at = (cell.row % TILE) * TILE + cell.col % TILE;
-                let known = (tile.values[at], tile.uncertainty[at]);
-                let now = updated(layer.update, known, (value, u));
-                if now != known {
-                    (tile.values[at], tile.uncertainty[at]) = now;
-                    changed = true;
-                }
-            }
-        }
-        self.version += u64::from(changed);
+        let changed = windows
+            .iter()
+            .filter_map(|read| self.layers.get_mut(&read.layer)?.take_in(read))
+            .reduce(Window::union);
+        self.version += u64::from(changed.is_some());
         Ok(changed)
     }
 
@@ -93,8 +136,8 @@ impl Knowledge {
         if !self.layers.contains_key(&read.layer) {
             return Err(AutonomyError::NotMeasured { layer: read.layer.clone() });
         }
-        let cells = self.spec.sub(read.window)?.len();
-        if read.values.len() != cells || read.uncertainty.len() != cells {
+        let spec = self.spec.part(read.window)?;
+        if read.values.len() != spec.len() || read.uncertainty.len() != spec.len() {
             return Err(AutonomyError::WindowLength {
                 layer: read.layer.clone(),
                 window: read.window,
@@ -102,17 +145,16 @@ impl Knowledge {
                 uncertainties: read.uncertainty.len(),
             });
         }
-        for ((cell, value), u) in read.window.cells().zip(&read.values).zip(&read.uncertainty) {
-            if !value.is_finite() || !(0.0..=1.0).contains(u) {
-                return Err(AutonomyError::Reading {
-                    layer: read.layer.clone(),
-                    cell,
-                    value: *value,
-                    uncertainty: *u,
-                });
-            }
+        let mut readings = read.values.iter().zip(&read.uncertainty);
+        match readings.position(|(value, u)| !value.is_finite() || !(0.0..=1.0).contains(u)) {
+            None => Ok(()),
+            Some(at) => Err(AutonomyError::Reading {
+                layer: read.layer.clone(),
+                cell: spec.cell(at),
+                value: read.values[at],
+                uncertainty: read.uncertainty[at],
+            }),
         }
-        Ok(())
     }
 
     /// A window of a layer, unknown where no tile is; its cells keep the grid's numbers.
@@ -185,13 +227,23 @@ mod tests {
     #[test]
     fn the_better_reading_stays_and_windows_may_cross_tiles() {
         let mut k = knowledge(MapUpdate::Best);
-        assert!(k.take_in(&[window("t", (63, 60), &[1.0; 10], 0.5)]).unwrap());
-        assert!(!k.take_in(&[window("t", (63, 60), &[2.0; 10], 0.6)]).unwrap());
+        let whole = Window { row: 63, col: 60, rows: 1, cols: 10 };
+        assert_eq!(k.take_in(&[window("t", (63, 60), &[1.0; 10], 0.5)]).unwrap(), Some(whole));
+        assert_eq!(k.take_in(&[window("t", (63, 60), &[2.0; 10], 0.6)]).unwrap(), None);
         assert_eq!(read(&k, Cell::new(63, 66)), (1.0, 0.5));
-        assert!(k.take_in(&[window("t", (63, 66), &[3.0], 0.2)]).unwrap());
+        let one = Window { col: 66, cols: 1, ..whole };
+        assert_eq!(k.take_in(&[window("t", (63, 66), &[3.0], 0.2)]).unwrap(), Some(one));
         assert_eq!(read(&k, Cell::new(63, 66)), (3.0, 0.2));
         assert_eq!(read(&k, Cell::new(64, 66)), (0.0, 1.0));
         assert_eq!(k.version(), 2);
+        // Two changes far apart lie in one window; what was no news beside them widens nothing.
+        let apart = [window("t", (2, 4), &[5.0], 0.3), window("t", (7, 130), &[6.0], 0.4)];
+        let both = Window { row: 2, col: 4, rows: 6, cols: 127 };
+        assert_eq!(k.take_in(&apart).unwrap(), Some(both));
+        let mut wider = window("t", (7, 129), &[6.0; 3], 0.4);
+        wider.uncertainty = vec![1.0, 0.1, 1.0];
+        let inner = Window { row: 7, col: 130, rows: 1, cols: 1 };
+        assert_eq!(k.take_in(&[wider]).unwrap(), Some(inner));
         // A part of the map is the same as that part of the whole.
         let part = k.layer("t", Window { row: 60, col: 62, rows: 8, cols: 8 }).unwrap();
         assert_eq!(part.value(Cell::new(63, 66)), 3.0);

@@ -7,6 +7,7 @@ mod knowledge;
 mod maps;
 mod observation;
 mod spec;
+mod stage;
 
 pub use autonomy::Autonomy;
 pub use decision::{
@@ -20,3 +21,4 @@ pub use spec::{
     ApproachSpec, Budget, Derivation, ELEVATION, Fallback, LayerSpec, MIN_WORKING_CELLS, MapUpdate,
     RouteSpec, Source, Spec, Triggers,
 };
+pub use stage::{Stage, Watch};

@@ -2,13 +2,14 @@
 
 use std::collections::BTreeMap;
 
+use rayon::prelude::*;
 use wisdom_fusion::{Evidence, InterestMap, interest_map, judge};
-use wisdom_goals::{PrizeMap, Site, prize_map, sites};
+use wisdom_goals::{Extraction, MergeTree, PrizeMap, Site, prize_map};
 use wisdom_grid::{Cell, GridSpec, Raster, Window};
-use wisdom_planner::Traversability;
+use wisdom_planner::{Ground, Traversability};
 use wisdom_terrain::{Layer, gradient, roughness, slope, step};
 
-use crate::{AutonomyError, Derivation, Digest, ELEVATION, Knowledge, Source, Spec};
+use crate::{AutonomyError, Derivation, Digest, ELEVATION, Knowledge, Source, Spec, Stage, Watch};
 
 /// Everything between the readings and the goals.
 #[derive(Debug, Clone)]
@@ -21,6 +22,8 @@ pub struct Maps {
     pub interest: InterestMap,
     /// What each cell is worth.
     pub prize: PrizeMap,
+    /// How the maxima of the interest meet.
+    peaks: MergeTree,
     /// Maxima, at half the least prominence (see the goal manager).
     pub sites: Vec<Site>,
     /// How each cell may be crossed.
@@ -35,30 +38,68 @@ impl Maps {
         spec: &Spec,
         knowledge: &Knowledge,
         working: Window,
-        survival: &wisdom_goals::Extraction,
+        survival: &Extraction,
+        watch: Watch<'_>,
     ) -> Result<Self, AutonomyError> {
-        let mut layers = BTreeMap::new();
-        for layer in spec.layers.iter().filter(|l| matches!(l.source, Source::Measured(_))) {
-            layers.insert(layer.name.clone(), knowledge.layer(&layer.name, working)?);
+        let layers = layers(spec, knowledge, working)?;
+        watch(Stage::Layers);
+        let evidence = judge(&spec.experts, &layers)?;
+        watch(Stage::Masses);
+        let interest = interest_map(&evidence, &spec.fusion);
+        watch(Stage::Fusion);
+        let prize = prize_map(&interest.interest, &interest.ignorance, spec.prize);
+        let peaks = MergeTree::new(&interest.interest);
+        let sites = peaks.sites(&prize.prize, survival);
+        watch(Stage::Sites);
+        let ground = ground(spec, &layers)?;
+        watch(Stage::Traversability);
+        let seen = seen(&interest);
+        Ok(Self { layers, evidence, interest, prize, peaks, sites, ground, seen })
+    }
+
+    /// The maps after readings inside a window changed, bit for bit those that [`Maps::new`] would derive: what hangs
+    /// on a few cells is made anew around that window and put into the old maps, the rest is made anew whole.
+    pub(crate) fn revised(
+        self,
+        spec: &Spec,
+        knowledge: &Knowledge,
+        changed: Window,
+        survival: &Extraction,
+        watch: Watch<'_>,
+    ) -> Result<Self, AutonomyError> {
+        let working = self.ground.spec().window();
+        let Some(changed) = changed.intersection(working) else { return Ok(self) };
+        let touched = grown(changed, reach(spec), working);
+        let around = grown(touched, reach(spec), working);
+        if 2 * around.rows * around.cols > working.rows * working.cols {
+            return Self::new(spec, knowledge, working, survival, watch);
         }
-        let elevation = layers.get(ELEVATION).ok_or(AutonomyError::NoElevation)?.clone();
-        for layer in &spec.layers {
-            if let Source::Derived(derivation) = layer.source {
-                layers.insert(
-                    layer.name.clone(),
-                    derivation.of(&elevation, spec.vehicle.footprint_radius_m),
-                );
+        let Self { layers: mut known, mut interest, mut peaks, ground: old_ground, .. } = self;
+        let part = layers(spec, knowledge, around)?;
+        for (name, layer) in &mut known {
+            let part = &part[name];
+            for cell in touched.cells() {
+                layer.set(cell, part.value(cell), part.u(cell));
             }
         }
-        let evidence = judge(&spec.experts, &layers)?;
-        let interest = interest_map(&evidence, &spec.fusion);
+        watch(Stage::Layers);
+        let evidence = judge(&spec.experts, &known)?;
+        watch(Stage::Masses);
+        let fused = interest_map(&judge(&spec.experts, &part)?, &spec.fusion);
+        paste(&mut interest.interest, &fused.interest, touched);
+        paste(&mut interest.ignorance, &fused.ignorance, touched);
+        paste(&mut interest.paradox, &fused.paradox, touched);
+        paste(&mut interest.conflict, &fused.conflict, touched);
+        paste(&mut interest.contradiction, &fused.contradiction, touched);
+        watch(Stage::Fusion);
         let prize = prize_map(&interest.interest, &interest.ignorance, spec.prize);
-        let sites = sites(&prize.prize, survival);
-        let classes = spec.slip_layer.as_ref().map(|name| &layers[name]);
-        let ground = Traversability::on_classes(&spec.vehicle, &elevation, classes)?;
-        let known = interest.ignorance.values().iter().filter(|u| **u < 1.0).count();
-        let seen = known as f64 / elevation.spec().len() as f64;
-        Ok(Self { layers, evidence, interest, prize, sites, ground, seen })
+        peaks.update(&interest.interest);
+        let sites = peaks.sites(&prize.prize, survival);
+        watch(Stage::Sites);
+        let ground = ground_revised(spec, &old_ground, &ground(spec, &part)?, &known, touched)?;
+        watch(Stage::Traversability);
+        let seen = seen(&interest);
+        Ok(Self { layers: known, evidence, interest, prize, peaks, sites, ground, seen })
     }
 
     /// Digest of the measured layers.
@@ -86,13 +127,17 @@ impl Maps {
         let mut digest = Digester::default();
         for (name, masses) in self.evidence.experts() {
             digest.text(name);
-            for mass in masses.values() {
-                for m in
-                    [mass.interesting(), mass.not_interesting(), mass.ignorance(), mass.paradox()]
-                {
-                    digest.number(m);
+            let masses = masses.values();
+            digest.each(masses.len(), |i| {
+                let mass = masses[i];
+                let parts =
+                    [mass.interesting(), mass.not_interesting(), mass.ignorance(), mass.paradox()];
+                let mut bytes = [0; 32];
+                for (into, part) in bytes.as_chunks_mut::<8>().0.iter_mut().zip(parts) {
+                    *into = Digester::bits(part);
                 }
-            }
+                bytes
+            });
         }
         digest.finish()
     }
@@ -112,10 +157,11 @@ impl Maps {
     /// Digest of traversability.
     pub(crate) fn ground_digest(&self) -> Digest {
         let mut digest = Digester::default();
-        for cell in self.ground.spec().cells() {
-            digest.bytes(&[u8::from(self.ground.is_blocked(cell))]);
-            digest.bytes(&self.ground.hazard_per_m(cell).to_bits().to_le_bytes());
-        }
+        let (blocked, hazard) = (self.ground.blocked().values(), self.ground.hazard().values());
+        digest.each(blocked.len(), |i| {
+            let [a, b, c, d] = hazard[i].to_bits().to_le_bytes();
+            [u8::from(blocked[i]), a, b, c, d]
+        });
         digest.finish()
     }
 
@@ -135,6 +181,96 @@ impl Maps {
     }
 }
 
+/// The measured layers of a window, and those derived from them.
+fn layers(
+    spec: &Spec,
+    knowledge: &Knowledge,
+    window: Window,
+) -> Result<BTreeMap<String, Layer>, AutonomyError> {
+    let mut layers = BTreeMap::new();
+    for layer in spec.layers.iter().filter(|l| matches!(l.source, Source::Measured(_))) {
+        layers.insert(layer.name.clone(), knowledge.layer(&layer.name, window)?);
+    }
+    let elevation = layers.get(ELEVATION).ok_or(AutonomyError::NoElevation)?;
+    let derived: Vec<(String, Layer)> = spec
+        .layers
+        .iter()
+        .filter_map(|layer| match layer.source {
+            Source::Measured(_) => None,
+            Source::Derived(derivation) => {
+                let derived = derivation.of(elevation, spec.vehicle.footprint_radius_m);
+                Some((layer.name.clone(), derived))
+            }
+        })
+        .collect();
+    layers.extend(derived);
+    Ok(layers)
+}
+
+/// How the vehicle meets the ground of some layers.
+fn ground(spec: &Spec, layers: &BTreeMap<String, Layer>) -> Result<Traversability, AutonomyError> {
+    let classes = spec.slip_layer.as_ref().map(|name| &layers[name]);
+    Ok(Traversability::on_classes(&spec.vehicle, &layers[ELEVATION], classes)?)
+}
+
+/// The old ground with a window of it taken from ground judged anew.
+fn ground_revised(
+    spec: &Spec,
+    old: &Traversability,
+    new: &Traversability,
+    layers: &BTreeMap<String, Layer>,
+    window: Window,
+) -> Result<Traversability, AutonomyError> {
+    let mut ground = Ground {
+        elevation: layers[ELEVATION].clone(),
+        blocked: old.blocked().clone(),
+        severity: old.severities().clone(),
+        hazard_per_m: old.hazard().clone(),
+    };
+    paste(&mut ground.blocked, new.blocked(), window);
+    paste(&mut ground.severity, new.severities(), window);
+    paste(&mut ground.hazard_per_m, new.hazard(), window);
+    let classes = spec.slip_layer.as_ref().map(|name| &layers[name]);
+    Ok(Traversability::from_ground_on_classes(&spec.vehicle, ground, classes)?)
+}
+
+/// Share of the cells of which anything is known.
+fn seen(interest: &InterestMap) -> f64 {
+    let known = interest.ignorance.values().iter().filter(|u| **u < 1.0).count();
+    known as f64 / interest.ignorance.spec().len() as f64
+}
+
+/// How far a reading makes itself felt in derived layers and on the ground, cells: a footprint, and at least one.
+fn reach(spec: &Spec) -> usize {
+    footprint_cells(spec.vehicle.footprint_radius_m, spec.grid)
+}
+
+fn footprint_cells(footprint_radius_m: f64, grid: GridSpec) -> usize {
+    (footprint_radius_m / grid.spacing_m()).round().max(1.0) as usize
+}
+
+/// A window and what lies around it, as far as that lies within another.
+fn grown(window: Window, by: usize, within: Window) -> Window {
+    let along = |from: usize, count: usize, first: usize, most: usize| {
+        let start = from.saturating_sub(by).max(first);
+        let end = from.saturating_add(count).saturating_add(by).min(first + most);
+        (start, end - start)
+    };
+    let (row, rows) = along(window.row, window.rows, within.row, within.rows);
+    let (col, cols) = along(window.col, window.cols, within.col, within.cols);
+    Window { row, col, rows, cols }
+}
+
+/// Copies a window from one raster into another; both number their cells alike.
+fn paste<T: Copy>(into: &mut Raster<T>, from: &Raster<T>, window: Window) {
+    let (to, west) = (into.spec(), window.col - from.spec().first().col);
+    for row in window.row..window.row + window.rows {
+        let start = to.index(Cell { row, col: window.col });
+        into.values_mut()[start..start + window.cols]
+            .copy_from_slice(&from.row(row)[west..west + window.cols]);
+    }
+}
+
 impl Derivation {
     /// The layer, derived from elevation for a vehicle that stands on `footprint_radius_m`.
     #[must_use]
@@ -144,8 +280,7 @@ impl Derivation {
             Self::Slope => slope(elevation),
             Self::Step => step(elevation),
             Self::Roughness => {
-                let cells = (footprint_radius_m / elevation.spec().spacing_m()).round().max(1.0);
-                roughness(elevation, cells as usize)
+                roughness(elevation, footprint_cells(footprint_radius_m, elevation.spec()))
             }
         }
     }
@@ -166,13 +301,30 @@ impl Digester {
     }
 
     pub(crate) fn number(&mut self, number: f64) {
-        self.bytes(&(number + 0.0).to_bits().to_le_bytes());
+        self.bytes(&Self::bits(number));
     }
 
     pub(crate) fn raster(&mut self, raster: &Raster<f32>) {
-        let bytes: Vec<u8> =
-            raster.values().iter().flat_map(|v| (v + 0.0).to_bits().to_le_bytes()).collect();
-        self.bytes(&bytes);
+        let values = raster.values();
+        self.each(values.len(), |i| (values[i] + 0.0).to_bits().to_le_bytes());
+    }
+
+    /// The bytes of many things one after another, on all threads.
+    fn each<const N: usize>(&mut self, count: usize, bytes: impl Fn(usize) -> [u8; N] + Sync) {
+        /// Bytes laid out at a time: few enough to stay in the cache, enough to be shared out.
+        const BLOCK: usize = 1 << 20;
+        let most = (BLOCK / N).min(count);
+        let mut block = vec![[0; N]; most];
+        for first in (0..count).step_by(most.max(1)) {
+            let block = &mut block[..most.min(count - first)];
+            let places = block.par_iter_mut().enumerate().with_min_len(4096);
+            places.for_each(|(i, place)| *place = bytes(first + i));
+            self.0.update_rayon(block.as_flattened());
+        }
+    }
+
+    fn bits(number: f64) -> [u8; 8] {
+        (number + 0.0).to_bits().to_le_bytes()
     }
 
     pub(crate) fn finish(self) -> Digest {

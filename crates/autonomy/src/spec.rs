@@ -1,7 +1,7 @@
 //! Everything the core is told once: experts, rule, limits, budgets, policy.
 
 use wisdom_fusion::{Expert, Fusion};
-use wisdom_goals::{Directive, Domain, ManagerSpec, Policy, PrizeScale};
+use wisdom_goals::{Directive, Domain, ManagerSpec, Policy, Preferences, PrizeScale};
 use wisdom_grid::{Cell, GridSpec, Window};
 use wisdom_planner::Vehicle;
 
@@ -143,6 +143,8 @@ pub struct Spec {
     pub prize: PrizeScale,
     /// The objective over sequences.
     pub policy: Policy,
+    /// What it is told besides the plan.
+    pub preferences: Preferences,
     /// Facts and operators.
     pub domain: Domain,
     /// The pool of directives.

@@ -8,8 +8,8 @@ use wisdom_autonomy::{
 use wisdom_belief::Opinion;
 use wisdom_fusion::{Band, Expert, Fusion, LookupTable, Rows};
 use wisdom_goals::{
-    Action, Directive, Domain, GoalId, ManagerSpec, OperatorText, Policy, PrizeScale, Reason,
-    ServiceCost,
+    Action, Directive, Domain, GoalId, ManagerSpec, OperatorText, Policy, Preferences, PrizeScale,
+    Reason, ServiceCost,
 };
 use wisdom_grid::{Cell, GridSpec, Window};
 use wisdom_planner::Vehicle;
@@ -57,6 +57,8 @@ fn spec() -> Spec {
         max_attempts: 2,
         exclusion_radius_m: 4.0,
         substitute: None,
+        mandatory: false,
+        fade: None,
     };
     let layer = |name: &str, unit: &str| LayerSpec {
         name: name.into(),
@@ -71,6 +73,7 @@ fn spec() -> Spec {
         fusion: Fusion::default(),
         prize: PrizeScale::Belief,
         policy: Policy::ExpectedInterest,
+        preferences: Preferences::default(),
         domain,
         directives: vec![directive],
         manager: ManagerSpec { identity_radius_m: 4.0, ..ManagerSpec::default() },

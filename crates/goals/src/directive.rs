@@ -1,6 +1,6 @@
 //! The pool of high-level directives from which every goal comes.
 
-use crate::FactSet;
+use crate::{FactSet, Fade};
 
 /// One entry of the pool: what to look for, and what to do there.
 ///
@@ -30,6 +30,10 @@ pub struct Directive {
     pub exclusion_radius_m: f64,
     /// The directive (by index) that a goal erodes to once an attempt has failed, if any.
     pub substitute: Option<usize>,
+    /// Whether a sequence with its goal is better than any without.
+    pub mandatory: bool,
+    /// How its prize fades, seconds since the mission began, for [`crate::Policy::Utility`].
+    pub fade: Option<Fade>,
 }
 
 impl Directive {

@@ -175,13 +175,15 @@ pub enum Reason {
     AttemptsSpent,
     /// An achieved goal explains the place.
     Explained,
+    /// A goal of the sequence stands so near that doing it will explain the place.
+    Excluded,
     /// Its operators were carried out.
     Done,
 }
 
 impl Reason {
     /// Every reason.
-    pub const ALL: [Self; 23] = [
+    pub const ALL: [Self; 24] = [
         Self::NewMaximum,
         Self::Reopened,
         Self::Promoted,
@@ -204,6 +206,7 @@ impl Reason {
         Self::Merged,
         Self::AttemptsSpent,
         Self::Explained,
+        Self::Excluded,
         Self::Done,
     ];
 }
@@ -233,6 +236,7 @@ impl fmt::Display for Reason {
             Self::Merged => "merged",
             Self::AttemptsSpent => "attempts-spent",
             Self::Explained => "explained",
+            Self::Excluded => "excluded",
             Self::Done => "done",
         })
     }

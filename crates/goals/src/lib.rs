@@ -21,13 +21,13 @@ pub use manager::{
     Event, GoalManager, ManagerSpec, ManagerState, Poses, Retired, Revision, Selection, Shortlist,
     Survey, Tries,
 };
-pub use objective::{Objective, Policy, Promise, UnknownPolicy};
+pub use objective::{Gains, Objective, Policy, Preferences, Prices, Served, UnknownPolicy};
 pub use prize::{PrizeMap, PrizeScale, UnknownPrize, prize_map, quantised};
 pub use sequence::{
-    Candidate, Effort, GoalSequence, Limits, MAX_SEQUENCED, Problem, Proof, Sequences, Stop,
-    sequences, weigh,
+    Candidate, Effort, End, Fade, GoalSequence, Limits, MAX_SEQUENCED, PrizeFront, Problem, Proof,
+    Sequences, Stop, Window, prize_front, sequences, weigh,
 };
-pub use site::{Extraction, Site, sites};
+pub use site::{Extraction, MergeTree, Site, sites};
 pub use strips::{
     DRIVE, Domain, DomainError, Expansion, FactSet, MAX_FACTS, Operator, OperatorText, ServiceCost,
 };

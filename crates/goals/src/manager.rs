@@ -13,8 +13,8 @@ use crate::sequence::{
     Candidate, Effort, GoalSequence, Limits, MAX_SEQUENCED, Problem, Sequences, sequences, weigh,
 };
 use crate::{
-    Action, Cause, Directive, Domain, Extraction, Goal, GoalId, PlanFront, Proof, Reason, Site,
-    Status, Term, Verdict, plan_front,
+    Action, Cause, Directive, Domain, Extraction, Fade, Goal, GoalId, PlanFront, Proof, Reason,
+    Site, Status, Term, Verdict, plan_front,
 };
 
 /// How the manager weighs.
@@ -740,23 +740,41 @@ impl GoalManager {
         Shortlist { kept: bounds.into_iter().map(|(id, _)| id).collect(), left_out }
     }
 
-    /// The shortlisted goals as the search wants them; `nodes` gives the matrix nodes of each goal's poses.
+    /// The shortlisted goals as the search wants them; `nodes` gives the matrix nodes of each goal's poses, `spent_s` how
+    /// long the mission has lasted.
+    ///
+    /// Two goals of which one will close the ground around it (its directive's exclusion radius) to the other do not
+    /// stand in one sequence.
     #[must_use]
     pub fn candidates(
         &self,
         shortlist: &Shortlist,
         nodes: &BTreeMap<GoalId, Vec<usize>>,
+        spacing_m: f64,
+        spent_s: f64,
     ) -> Vec<Candidate> {
+        let closes = |goal: &Goal| self.directives[goal.directive].exclusion_radius_m;
         shortlist
             .kept
             .iter()
             .map(|id| {
                 let goal = &self.state.goals[id];
+                let poses = nodes.get(id).cloned().unwrap_or_default();
+                let near = |other: &&GoalId| {
+                    let other = &self.state.goals[other];
+                    let radius_m = closes(goal).max(closes(other));
+                    other.id != *id && goal.target.distance(other.target) * spacing_m <= radius_m
+                };
+                let directive = &self.directives[goal.directive];
+                let fade = directive.fade.map(|fade| Fade {
+                    full_until_s: fade.full_until_s - spent_s,
+                    nothing_from_s: fade.nothing_from_s - spent_s,
+                });
                 Candidate {
-                    goal: *id,
-                    directive: goal.directive,
-                    prize: goal.prize,
-                    poses: nodes.get(id).cloned().unwrap_or_default(),
+                    mandatory: directive.mandatory,
+                    fade,
+                    excludes: shortlist.kept.iter().filter(near).copied().collect(),
+                    ..Candidate::new(*id, goal.directive, goal.prize, poses)
                 }
             })
             .collect()
@@ -769,8 +787,12 @@ impl GoalManager {
     #[must_use]
     pub fn select(&self, problem: &Problem<'_>, pinned: Option<GoalId>) -> Selection {
         let pin: Vec<GoalId> = pinned.into_iter().collect();
-        let effort =
-            Effort { expansions: self.spec.expansions, keep: self.spec.family, first: &pin };
+        let effort = Effort {
+            expansions: self.spec.expansions,
+            keep: self.spec.family,
+            first: &pin,
+            clock: None,
+        };
         let mut found = sequences(problem, effort);
         let pinned = pinned.filter(|_| !found.best[0].stops.is_empty());
         if pinned.is_none() && !pin.is_empty() {
@@ -794,7 +816,8 @@ impl GoalManager {
                 && best.reliability >= factor * committed.reliability
                 && best.reliability > committed.reliability;
             let same = best.goals().eq(committed.goals());
-            if !same && !better_value && !safer {
+            let fewer_missed = best.missed < committed.missed;
+            if !same && !better_value && !safer && !fewer_missed {
                 // A search cut short may not have met the committed sequence, and that may be the best.
                 held = best.rank(committed).is_lt();
                 let known = family.iter().position(|s| s.goals().eq(committed.goals()));
@@ -832,6 +855,7 @@ impl GoalManager {
             let was_committed = self.state.agenda.contains(&goal.id);
             let numbers =
                 || vec![Term::of("interest", goal.interest), Term::of("prize", goal.prize)];
+            let mut other = None;
             let (action, reason, terms) = if turn.is_some() {
                 if !was_committed {
                     let reason = if revision.reopened.contains(&goal.id) {
@@ -849,6 +873,11 @@ impl GoalManager {
                 } else {
                     (Action::Reorder, Reason::BetterOrder, numbers())
                 }
+            } else if let Some(near) = excluder(goal.id, &order, problem) {
+                let theirs = self.state.goals[&near].prize;
+                other = Some(near);
+                let terms = vec![Term::against("prize", goal.prize, theirs)];
+                (Action::Defer, Reason::Excluded, terms)
             } else {
                 let (reason, terms) = self.why_not(goal, selection, shortlist, poses, problem);
                 (Action::Defer, reason, terms)
@@ -866,7 +895,7 @@ impl GoalManager {
                 reason,
                 cause,
                 turn,
-                other: None,
+                other,
                 terms,
             });
         }
@@ -952,6 +981,16 @@ impl GoalManager {
 fn bound(goal: &Goal, poses: &Poses) -> Option<f64> {
     let reliabilities = poses.get(&goal.id)?.iter().map(|(_, cost)| cost.reliability());
     Some(goal.prize * reliabilities.max_by(f64::total_cmp)?)
+}
+
+/// The goal of a sequence beside which another may not stand, if there is one.
+fn excluder(goal: GoalId, order: &[GoalId], problem: &Problem<'_>) -> Option<GoalId> {
+    let candidate = |id: GoalId| problem.candidates.iter().find(|c| c.goal == id);
+    let mine = candidate(goal)?;
+    let apart = |id: &&GoalId| {
+        mine.excludes.contains(id) || candidate(**id).is_some_and(|c| c.excludes.contains(&goal))
+    };
+    order.iter().find(apart).copied()
 }
 
 /// Tries a goal at every turn of the chosen sequence: the best value of those within the limits, and the

@@ -91,9 +91,35 @@ pub fn quantised(prize: f64) -> f64 {
     (prize * STEPS_PER_UNIT).round() / STEPS_PER_UNIT
 }
 
-/// The highest step of the ladder of [`quantised`] that is not above a number.
-pub(crate) fn quantised_down(bound: f64) -> f64 {
-    (bound * STEPS_PER_UNIT).floor() / STEPS_PER_UNIT
+/// The numbers that sums of some prizes can be: multiples of the largest step that all of them are multiples of.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Ladder {
+    step: f64,
+}
+
+impl Ladder {
+    /// The ladder of these prizes, if all of them are quantised and not all are zero.
+    pub(crate) fn of(prizes: impl Iterator<Item = f64>) -> Option<Self> {
+        // Of larger prizes the sums would no longer be exact.
+        const MOST: f64 = 1_048_576.0;
+        let mut steps = 0u64;
+        for prize in prizes {
+            if prize != quantised(prize) || !(0.0..=MOST).contains(&prize) {
+                return None;
+            }
+            let (mut a, mut b) = ((prize * STEPS_PER_UNIT) as u64, steps);
+            while b != 0 {
+                (a, b) = (b, a % b);
+            }
+            steps = a;
+        }
+        (steps > 0).then(|| Self { step: steps as f64 / STEPS_PER_UNIT })
+    }
+
+    /// The highest step that is not above a number.
+    pub(crate) fn below(self, number: f64) -> f64 {
+        (number / self.step).floor() * self.step
+    }
 }
 
 const STEPS_PER_UNIT: f64 = 4_294_967_296.0;

@@ -1,11 +1,22 @@
 //! Local maxima of the prize map, by topological persistence.
 
+mod merge_tree;
+mod tile;
+
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
 use wisdom_grid::{Cell, Raster};
+
+pub use merge_tree::MergeTree;
+
+use merge_tree::Forest;
+use tile::Pair;
 
 /// What counts as a maximum worth a goal.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Extraction {
-    /// Least prominence on the prize scale (default 0.1).
+    /// Least prominence on the prize scale (default 0.1); at 0 every maximum counts.
     pub min_prominence: f64,
     /// Least distance between two sites, metres; of two nearer ones the better stays.
     pub min_separation_m: f64,
@@ -38,101 +49,101 @@ pub struct Site {
 
 /// The sites of a prize map, best prize first (ties by cell).
 ///
-/// Watersheds are joined from the highest cell down (union-find); two that meet at a saddle end the life of
-/// the lower one, whose prominence is its height above that saddle (topological persistence, Edelsbrunner,
-/// Letscher & Zomorodian 2002). Plateaus are one maximum. Regions of different sites never overlap, because
-/// every saddle lies at least the least prominence below the lower of its peaks.
+/// Watersheds are joined from the highest cell down; two that meet at a saddle end the life of the lower one, whose
+/// prominence is its height above that saddle (topological persistence, Edelsbrunner, Letscher & Zomorodian
+/// 2002). Plateaus are one maximum, cells without a prize are no ground. Regions of different sites never overlap,
+/// because every saddle lies at least the least prominence below the lower of its peaks.
+///
+/// [`MergeTree`] gives the same while a map changes, for less.
 #[must_use]
 pub fn sites(prize: &Raster<f32>, extraction: &Extraction) -> Vec<Site> {
-    const UNSEEN: u32 = u32::MAX;
+    pick(prize, Forest::new(prize).pairs(), extraction)
+}
+
+/// The best of the maxima, far enough from each other.
+fn pick(
+    prize: &Raster<f32>,
+    pairs: impl Iterator<Item = Pair>,
+    extraction: &Extraction,
+) -> Vec<Site> {
     let spec = prize.spec();
     let values = prize.values();
-    let mut order: Vec<u32> =
-        (0..values.len() as u32).filter(|&i| values[i as usize] > 0.0).collect();
-    order.sort_unstable_by(|&a, &b| {
-        values[b as usize].total_cmp(&values[a as usize]).then(a.cmp(&b))
+    let floor =
+        extraction.percentile_floor.map_or(0.0, |percent| percentile_floor(values, percent));
+    let peaks = pairs.filter_map(|Pair { peak, saddle }| {
+        let top = values[peak as usize];
+        let prominence = f64::from(top) - f64::from(saddle.map_or(0.0, |s| values[s as usize]));
+        let counts = prominence > 0.0 && prominence >= extraction.min_prominence && top >= floor;
+        // Positive numbers sort as their bits do.
+        counts.then(|| (top.to_bits(), Reverse(peak), prominence.to_bits()))
     });
-    let floor = extraction.percentile_floor.map_or(0.0, |percent| {
-        let rank = ((1.0 - percent / 100.0) * order.len() as f64) as usize;
-        order.get(rank.min(order.len().saturating_sub(1))).map_or(0.0, |&i| values[i as usize])
-    });
-
-    let mut parent = vec![UNSEEN; values.len()];
-    let mut peaks: Vec<(u32, f64)> = Vec::new();
-    for &i in &order {
-        let height = values[i as usize];
-        parent[i as usize] = i;
-        for neighbour in spec.neighbours(spec.cell(i as usize)) {
-            let n = spec.index(neighbour) as u32;
-            if parent[n as usize] == UNSEEN {
-                continue;
-            }
-            let (a, b) = (root(&mut parent, i), root(&mut parent, n));
-            if a == b {
-                continue;
-            }
-            // The root of a watershed is its highest cell, the first in the order among equals.
-            let higher = |x: u32, y: u32| {
-                values[y as usize].total_cmp(&values[x as usize]).then(x.cmp(&y)).is_lt()
-            };
-            let (kept, ended) = if higher(a, b) { (a, b) } else { (b, a) };
-            let prominence = f64::from(values[ended as usize]) - f64::from(height);
-            if prominence >= extraction.min_prominence {
-                peaks.push((ended, prominence));
-            }
-            parent[ended as usize] = kept;
-        }
-    }
-    peaks.extend(
-        order
-            .iter()
-            .filter(|&&i| parent[i as usize] == i)
-            .map(|&i| (i, f64::from(values[i as usize])))
-            .filter(|(_, prominence)| *prominence >= extraction.min_prominence),
-    );
-    peaks.retain(|&(i, _)| values[i as usize] >= floor);
-    peaks.sort_unstable_by(|a, b| {
-        values[b.0 as usize].total_cmp(&values[a.0 as usize]).then(a.0.cmp(&b.0))
-    });
+    let mut peaks: BinaryHeap<_> = peaks.collect::<Vec<_>>().into();
 
     let mut found: Vec<Site> = Vec::new();
+    let mut flood = Flood::new(prize);
     let separation = extraction.min_separation_m / spec.spacing_m();
-    for (i, prominence) in peaks {
-        if found.len() == extraction.max_sites {
-            break;
-        }
-        let top = values[i as usize];
-        let region =
-            flood(prize, spec.cell(i as usize), f64::from(top) - extraction.min_prominence / 2.0);
+    while found.len() < extraction.max_sites
+        && let Some((top, Reverse(peak), prominence)) = peaks.pop()
+    {
+        let top = f32::from_bits(top);
+        let region = flood.from(peak as usize, f64::from(top) - extraction.min_prominence / 2.0);
         let peak = middle(region.iter().copied().filter(|&c| prize[c] == top));
         if found.iter().all(|better| better.peak.distance(peak) >= separation) {
+            let prominence = f64::from_bits(prominence);
             found.push(Site { peak, prominence, prize: f64::from(top), region });
         }
     }
     found
 }
 
-/// The root of a cell's watershed, halving the path on the way.
-fn root(parent: &mut [u32], mut i: u32) -> u32 {
-    while parent[i as usize] != i {
-        parent[i as usize] = parent[parent[i as usize] as usize];
-        i = parent[i as usize];
-    }
-    i
+/// The prize that `percent` of the positive prizes lie below; 0 if there is none.
+fn percentile_floor(values: &[f32], percent: f64) -> f32 {
+    let mut positive: Vec<u32> = values.iter().filter(|v| **v > 0.0).map(|v| v.to_bits()).collect();
+    let Some(last) = positive.len().checked_sub(1) else { return 0.0 };
+    let above = ((1.0 - percent / 100.0) * positive.len() as f64) as usize;
+    f32::from_bits(*positive.select_nth_unstable(last - above.min(last)).1)
 }
 
-/// Cells joined to `start` whose prize is at least `level`, in row order.
-fn flood(prize: &Raster<f32>, start: Cell, level: f64) -> Vec<Cell> {
-    let mut reached = std::collections::BTreeSet::from([start]);
-    let mut open = vec![start];
-    while let Some(cell) = open.pop() {
-        for next in prize.spec().neighbours(cell) {
-            if f64::from(prize[next]) >= level && prize[next] > 0.0 && reached.insert(next) {
-                open.push(next);
+/// Finds the cells joined to a peak.
+struct Flood<'a> {
+    prize: &'a Raster<f32>,
+    /// By cell; all false between two floods.
+    reached: Vec<bool>,
+}
+
+impl<'a> Flood<'a> {
+    fn new(prize: &'a Raster<f32>) -> Self {
+        Self { prize, reached: vec![false; prize.spec().len()] }
+    }
+
+    /// Cells joined to `start` whose prize is positive and at least `level`, in row order.
+    fn from(&mut self, start: usize, level: f64) -> Vec<Cell> {
+        let spec = self.prize.spec();
+        let values = self.prize.values();
+        let (rows, cols) = (spec.rows(), spec.cols());
+        self.reached[start] = true;
+        let mut region = vec![start as u32];
+        let mut done = 0;
+        while done < region.len() {
+            let (row, col) = (region[done] as usize / cols, region[done] as usize % cols);
+            done += 1;
+            for r in row.saturating_sub(1)..(row + 2).min(rows) {
+                for c in col.saturating_sub(1)..(col + 2).min(cols) {
+                    let i = r * cols + c;
+                    let joins = values[i] > 0.0 && f64::from(values[i]) >= level;
+                    if joins && !self.reached[i] {
+                        self.reached[i] = true;
+                        region.push(i as u32);
+                    }
+                }
             }
         }
+        for &i in &region {
+            self.reached[i as usize] = false;
+        }
+        region.sort_unstable();
+        region.into_iter().map(|i| spec.cell(i as usize)).collect()
     }
-    reached.into_iter().collect()
 }
 
 /// The cell nearest to the mean position of the given ones (ties by cell).
@@ -146,99 +157,4 @@ fn middle(cells: impl Iterator<Item = Cell> + Clone) -> Cell {
     cells
         .min_by_key(|c| (off(c.row, rows).pow(2) + off(c.col, cols).pow(2), *c))
         .expect("a plateau holds at least its first cell")
-}
-
-#[cfg(test)]
-mod tests {
-    use proptest::prelude::*;
-    use wisdom_grid::GridSpec;
-
-    use super::*;
-
-    /// A prize map drawn with digits, tenths of the prize.
-    fn picture(rows: &[&str]) -> Raster<f32> {
-        let spec = GridSpec::new(rows.len(), rows[0].len(), 1.0).unwrap();
-        Raster::from_fn(spec, |c| f32::from(rows[c.row].as_bytes()[c.col] - b'0') / 10.0)
-    }
-
-    fn near(min_separation_m: f64) -> Extraction {
-        Extraction { min_separation_m, ..Extraction::default() }
-    }
-
-    #[test]
-    fn prominence_is_the_height_above_the_saddle() {
-        let map = picture(&["00000000", "09440700", "00000000"]);
-        let found = sites(&map, &near(1.0));
-        let told: Vec<_> =
-            found.iter().map(|s| (s.peak.col, (s.prominence * 10.0).round())).collect();
-        assert_eq!(told, [(1, 9.0), (5, 7.0)]);
-        let joined = picture(&["00000000", "09447000", "00000000"]);
-        let found = sites(&joined, &near(1.0));
-        assert_eq!(
-            found.iter().map(|s| (s.prominence * 10.0).round()).collect::<Vec<_>>(),
-            [9.0, 3.0]
-        );
-    }
-
-    #[test]
-    fn a_plateau_is_one_site_in_its_middle() {
-        let map = picture(&["00000", "08880", "08880", "08880", "00000"]);
-        let found = sites(&map, &near(1.0));
-        assert_eq!(found.len(), 1);
-        assert_eq!(found[0].peak, Cell::new(2, 2));
-        assert_eq!(found[0].region.len(), 9);
-    }
-
-    #[test]
-    fn of_two_near_maxima_the_better_stays() {
-        let map = picture(&["080900"]);
-        assert_eq!(sites(&map, &near(1.0)).len(), 2);
-        let far = sites(&map, &near(5.0));
-        assert_eq!(far.iter().map(|s| s.peak.col).collect::<Vec<_>>(), [3]);
-    }
-
-    #[test]
-    fn the_percentile_floor_cuts_small_peaks() {
-        let map = picture(&["0204080"]);
-        let floor = Extraction { percentile_floor: Some(60.0), ..near(1.0) };
-        assert_eq!(sites(&map, &near(1.0)).len(), 3);
-        assert_eq!(sites(&map, &floor).iter().map(|s| s.peak.col).collect::<Vec<_>>(), [5, 3]);
-    }
-
-    /// Prominence by its definition: the lowest drop needed to walk to strictly higher ground.
-    fn prominence_by_flooding(map: &Raster<f32>, peak: Cell) -> f64 {
-        let top = map[peak];
-        let mut levels: Vec<f32> = map.values().iter().copied().filter(|v| *v > 0.0).collect();
-        levels.sort_unstable_by(f32::total_cmp);
-        for level in levels.into_iter().rev().filter(|l| *l <= top) {
-            if flood(map, peak, f64::from(level)).iter().any(|c| map[*c] > top) {
-                return f64::from(top) - f64::from(level);
-            }
-        }
-        f64::from(top)
-    }
-
-    proptest! {
-        /// Every site's prominence is the one its definition gives, and no maximum is missed.
-        #[test]
-        fn prominence_agrees_with_its_definition(
-            heights in proptest::collection::vec(0u16..1000, 36),
-        ) {
-            // Distinct heights, so that no tie decides which of two equal peaks outlives the other.
-            let spec = GridSpec::new(6, 6, 1.0).unwrap();
-            let values: Vec<f32> =
-                heights.iter().enumerate().map(|(i, h)| (f32::from(*h) * 36.0 + i as f32) / 36_000.0).collect();
-            let map = Raster::from_vec(spec, values).unwrap();
-            let found = sites(&map, &near(0.0));
-            for site in &found {
-                prop_assert!((site.prominence - prominence_by_flooding(&map, site.peak)).abs() < 1e-9);
-            }
-            for cell in spec.cells().filter(|&c| map[c] > 0.0) {
-                let is_peak = spec.neighbours(cell).all(|n| map[n] < map[cell]);
-                let listed = found.iter().any(|s| s.peak == cell);
-                let prominent = is_peak && prominence_by_flooding(&map, cell) >= 0.1;
-                prop_assert_eq!(listed, prominent, "{}", cell);
-            }
-        }
-    }
 }

@@ -7,7 +7,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use proptest::prelude::*;
 use wisdom_goals::{
     Action, Approach, Cause, Directive, Domain, Event, Extraction, FactSet, GoalId, GoalManager,
-    Limits, ManagerSpec, Policy, Problem, Reason, Selection, Status, Survey, Verdict, poses, sites,
+    Limits, ManagerSpec, Policy, Preferences, Problem, Reason, Selection, Status, Survey, Verdict,
+    poses, sites,
 };
 use wisdom_grid::{Cell, GridSpec, Raster};
 use wisdom_planner::{FieldOptions, field};
@@ -158,16 +159,19 @@ impl Rig {
             cells.push(ways[id][0].0);
         }
         let travel = travel(&ground, &cells);
-        let candidates = self.manager.candidates(&shortlist, &nodes);
+        let candidates = self.manager.candidates(&shortlist, &nodes, 1.0, 0.0);
         let directives = self.manager.directives().to_vec();
         let problem = Problem {
             candidates: &candidates,
             travel: &travel,
+            ends: &[],
             domain: &self.domain,
             directives: &directives,
             facts: self.facts,
             limits: self.limits,
+            waiting_w: 0.0,
             policy: self.policy,
+            preferences: Preferences::default(),
         };
         let selection = self.manager.select(&problem, self.pinned);
         let verdicts =
@@ -266,7 +270,7 @@ fn two_maxima_that_become_one_are_one_goal() {
     let told = rig.sees(&["0000090000000"]);
     assert_eq!(told.says(0), (Action::Drop, Reason::Merged, Cause::Discovery));
     assert_eq!(told.of(0).other, Some(GoalId(1)), "the nearer goal stays");
-    assert_eq!(told.says(1), (Action::Modify, Reason::PeakMoved, Cause::Discovery));
+    assert_eq!(told.says(1), (Action::Add, Reason::Promoted, Cause::Discovery));
     assert_eq!(told.order(), [1]);
 }
 
@@ -274,7 +278,7 @@ fn two_maxima_that_become_one_are_one_goal() {
 #[test]
 fn no_goal_is_merged_into_one_that_goes_in_the_same_breath() {
     let mut rig = Rig::at(9);
-    rig.sees(&["0008007000000"]);
+    rig.sees(&["0080007000000"]);
     rig.interest = Some(picture(&["0000000000000"]));
     let told = rig.sees(&["0000090000000"]);
     for id in [0, 1] {
@@ -309,14 +313,14 @@ fn a_better_rock_changes_the_order_only_beyond_the_hysteresis() {
 #[test]
 fn a_small_find_is_held_back_and_a_larger_one_is_added() {
     let mut rig = Rig::at(7);
-    rig.sees(&["09009000000900000"]);
-    let told = rig.sees(&["09009000000900010"]);
+    rig.sees(&["09000900000900000"]);
+    let told = rig.sees(&["09000900000900010"]);
     assert!(told.selection.held);
     assert_eq!(told.says(3), (Action::Defer, Reason::Held, Cause::Discovery));
     let term = &told.of(3).terms[0];
     let least = term.limit.expect("what it would have taken");
     assert!(term.value > told.selection.sequence().value && term.value < least, "{term:?}");
-    let told = rig.sees(&["09009000000900040"]);
+    let told = rig.sees(&["09000900000900040"]);
     assert!(!told.selection.held);
     assert_eq!(told.says(3), (Action::Add, Reason::Promoted, Cause::Discovery));
     assert_eq!(told.order().len(), 4);
@@ -508,7 +512,11 @@ fn an_erosion_is_caused_by_execution_even_when_the_map_changed() {
 fn an_achieved_goal_explains_what_lies_around_it() {
     let map = ["0090070000080"];
     let mut rig = Rig::at(6);
-    assert_eq!(rig.sees(&map).order().len(), 3);
+    let told = rig.sees(&map);
+    assert_eq!(told.order().len(), 2);
+    // Once the better one is done it will be explained: no plan counts on both.
+    assert_eq!(told.says(2), (Action::Defer, Reason::Excluded, Cause::Start));
+    assert_eq!(told.of(2).other, Some(GoalId(0)));
     rig.manager.note(GoalId(0), Event::Achieved);
     let told = rig.thinks_again(&map);
     assert_eq!(told.says(0), (Action::Achieve, Reason::Done, Cause::Execution));
@@ -640,7 +648,7 @@ proptest! {
             ),
             1..8,
         ),
-        policy in prop::sample::select(&Policy::ALL[..]),
+        policy in prop::sample::select(&Policy::ALL[..2]),
         max_sequenced in 1usize..6,
     ) {
         let spec = ManagerSpec { max_sequenced, ..spec() };

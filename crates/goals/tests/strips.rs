@@ -4,7 +4,7 @@ mod rover;
 
 use wisdom_goals::{
     Candidate, CausalGraph, Directive, Domain, Effort, FactSet, GoalId, GoalSequence, Limits,
-    PlanError, Policy, Problem, quantised, sequences,
+    PlanError, Policy, Preferences, Problem, quantised, sequences,
 };
 use wisdom_grid::{Cell, GridSpec, Raster};
 
@@ -30,11 +30,8 @@ impl Row {
         let cells = [0, 2, 4, 6].map(|col| Cell::new(0, col));
         let domain = domain();
         let directives = directives(&domain);
-        let candidate = |(node, (goal, directive)): (usize, (GoalId, usize))| Candidate {
-            goal,
-            directive,
-            prize: quantised(0.5),
-            poses: vec![node + 1],
+        let candidate = |(node, (goal, directive)): (usize, (GoalId, usize))| {
+            Candidate::new(goal, directive, quantised(0.5), vec![node + 1])
         };
         let goals = [(IMAGE, 1), (DRILL, 2), (ANALYSE, 0)];
         let candidates: Vec<_> = goals.into_iter().enumerate().map(candidate).collect();
@@ -42,6 +39,7 @@ impl Row {
         let problem = Problem {
             candidates: &candidates,
             travel: &travel,
+            ends: &[],
             domain: &domain,
             directives: &directives,
             facts: domain.initial(),
@@ -51,9 +49,11 @@ impl Row {
                 data_mb: f64::INFINITY,
                 min_reliability: 0.0,
             },
+            waiting_w: 0.0,
             policy: Policy::ExpectedInterest,
+            preferences: Preferences::default(),
         };
-        let effort = Effort { expansions: 1000, keep: 1, first: &[] };
+        let effort = Effort { expansions: 1000, keep: 1, first: &[], clock: None };
         let sequence = sequences(&problem, effort).best.swap_remove(0);
         assert_eq!(sequence.goals().collect::<Vec<_>>(), [IMAGE, DRILL, ANALYSE]);
         Self { domain, directives, sequence }

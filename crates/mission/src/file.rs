@@ -26,6 +26,8 @@ pub(crate) struct MissionFile {
     #[serde(default)]
     pub policy: Option<String>,
     #[serde(default)]
+    pub objective: ObjectiveFile,
+    #[serde(default)]
     pub prize: Option<String>,
     pub terrain: TerrainFile,
     pub layer: Vec<LayerFile>,
@@ -324,6 +326,29 @@ pub(crate) struct OperatorFile {
     pub data_mb: f64,
 }
 
+/// What the policy is told besides the plan.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields, default)]
+pub(crate) struct ObjectiveFile {
+    pub confidence: f64,
+    pub risk_price: f64,
+    pub price_per_kj: f64,
+    pub price_per_h: f64,
+    pub price_per_mb: f64,
+}
+
+impl Default for ObjectiveFile {
+    fn default() -> Self {
+        Self {
+            confidence: 0.8,
+            risk_price: 1.0,
+            price_per_kj: 0.0,
+            price_per_h: 0.0,
+            price_per_mb: 0.0,
+        }
+    }
+}
+
 #[derive(Debug, Clone, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub(crate) struct DirectiveFile {
@@ -344,6 +369,9 @@ pub(crate) struct DirectiveFile {
     pub max_attempts: u32,
     pub exclusion_radius_m: f64,
     pub substitute: Option<String>,
+    #[serde(default)]
+    pub mandatory: bool,
+    pub fade_s: Option<[f64; 2]>,
 }
 
 fn unit_weight() -> f64 {

@@ -11,8 +11,8 @@ use wisdom_autonomy::{
 use wisdom_belief::{InterestMass, Opinion, ParadoxPolicy, Rule};
 use wisdom_fusion::{Band, Class, Expert, Fusion, FusionError, LookupTable, Rows, Statistic};
 use wisdom_goals::{
-    Directive, Domain, DomainError, Extraction, MAX_SEQUENCED, ManagerSpec, OperatorText, Policy,
-    PrizeScale, ServiceCost,
+    Directive, Domain, DomainError, Extraction, Fade, MAX_SEQUENCED, ManagerSpec, OperatorText,
+    Policy, Preferences, Prices, PrizeScale, ServiceCost,
 };
 use wisdom_grid::{Cell, GridSpec};
 use wisdom_planner::{PlannerError, Preset, Vehicle};
@@ -352,6 +352,7 @@ impl Reader<'_> {
             fusion,
             prize: self.named::<PrizeScale>("prize", file.prize.as_deref())?,
             policy: self.named::<Policy>("policy", file.policy.as_deref())?,
+            preferences: self.preferences()?,
             domain,
             directives,
             manager,
@@ -697,12 +698,39 @@ impl Reader<'_> {
                 )?,
                 exclusion_radius_m: number("exclusion-radius-m", d.exclusion_radius_m, 0.0, FAR_M)?,
                 substitute,
+                mandatory: d.mandatory,
+                fade: match d.fade_s {
+                    None => None,
+                    Some([full, nothing]) if (0.0..=nothing).contains(&full) && nothing.is_finite() => {
+                        Some(Fade { full_until_s: full, nothing_from_s: nothing })
+                    }
+                    Some([full, nothing]) => {
+                        let wanted = "expected the last second at which the whole prize counts, then the first at \
+                                      which nothing of it does";
+                        return Err(error("fade-s", format!("[{full}, {nothing}]; {wanted}")));
+                    }
+                },
             });
         }
         if directives.is_empty() {
             return Err(self.error(&["directive"], "expected at least one directive"));
         }
         Ok(directives)
+    }
+
+    fn preferences(&self) -> Result<Preferences, MissionError> {
+        const DEAR: f64 = 1e9;
+        let o = &self.file.objective;
+        let number = |key: &str, value, high| self.within(&["objective", key], value, 0.0, high);
+        Ok(Preferences {
+            confidence: number("confidence", o.confidence, 1.0)?,
+            prices: Prices {
+                risk: number("risk-price", o.risk_price, DEAR)?,
+                energy_per_j: number("price-per-kj", o.price_per_kj, DEAR)? / 1000.0,
+                time_per_s: number("price-per-h", o.price_per_h, DEAR)? / 3600.0,
+                data_per_mb: number("price-per-mb", o.price_per_mb, DEAR)?,
+            },
+        })
     }
 
     fn manager(&self) -> Result<ManagerSpec, MissionError> {

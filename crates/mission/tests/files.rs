@@ -160,7 +160,7 @@ fn numbers_out_of_range_show_the_range() {
         ("sigma = 0.1", "sigma = -1.0", "-1.0", ["layer.0.sigma", "at least 0"]),
         ("classes = [1, 2, 3, 4]", "classes = [1]", "[1]", ["layer.2.classes", "two"]),
         ("time-s = 600.0", "time-s = -6.0", "-6.0", ["operator.3.time-s", "1000000000"]),
-        ("min-prominence = 0.1", "max-sequenced = 99", "99", ["goals.max-sequenced", "1 to "]),
+        ("min-prominence = 0.1", "max-sequenced = 9999", "9999", ["goals.max-sequenced", "1 to "]),
         ("rows = 101", "rows = 0", "[terrain]", ["0 x 101", "65535"]),
         (
             "rows = 101\ncols = 101",
@@ -559,6 +559,7 @@ fn the_guide_to_mission_files_names_every_key() {
         "[budget]",
         "[goals]",
         "[routes]",
+        "[objective]",
         "[triggers]",
         "[fallback]",
         "[[operator]]",

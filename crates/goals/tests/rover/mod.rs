@@ -66,6 +66,8 @@ pub(crate) fn directives(domain: &Domain) -> Vec<Directive> {
         max_attempts: 2,
         exclusion_radius_m: 3.0,
         substitute: None,
+        mandatory: false,
+        fade: None,
     };
     vec![
         directive("analyse", FactSet::EMPTY, set(&["analysed"])),

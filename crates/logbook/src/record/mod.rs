@@ -17,7 +17,7 @@ pub use generated::*;
 
 /// What decisions mean. Records of equal versions are made by cores that decide alike; a core whose
 /// decisions differ on purpose raises it.
-pub const DECISION_VERSION: u32 = 3;
+pub const DECISION_VERSION: u32 = 4;
 
 /// The descriptor set of the records, as every log carries it.
 pub const DESCRIPTOR: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/wisdom.binpb"));

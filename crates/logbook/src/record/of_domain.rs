@@ -292,6 +292,7 @@ fn objectives(objectives: core::Objectives) -> Objectives {
         all_or_nothing: objectives.all_or_nothing,
         chance_constrained: objectives.chance_constrained,
         net_benefit: finite(objectives.net_benefit),
+        utility: finite(objectives.utility),
     }
 }
 

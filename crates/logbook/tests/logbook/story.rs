@@ -138,8 +138,13 @@ fn sequence(number: u32) -> GoalSequence {
     let cost = ServiceCost { time_s: 10.25, energy_j: 33.0, data_mb: 0.1 };
     let expansion =
         Expansion { before: vec![], after: vec![1, 2], facts: FactSet::from_bits(0b11), cost };
-    let stop = Stop { goal: GoalId(number), pose: 1, alternative: 0, expansion };
+    let service = expansion.cost;
+    let stop =
+        Stop { goal: GoalId(number), pose: 1, alternative: 0, expansion, wait_s: 0.0, service };
     GoalSequence {
+        end: None,
+        missed: 0,
+        fresh: 0.8,
         stops: vec![stop],
         value: 0.78,
         prize: 0.8,
@@ -174,6 +179,7 @@ pub(crate) fn decision(number: u32) -> Decision {
         all_or_nothing: 0.78,
         chance_constrained: 0.8,
         net_benefit: f64::NEG_INFINITY,
+        utility: 0.7,
     };
     let front = FrontOf { best: 0, plans: 1, complete: true };
     let chosen = PlanOption { sequence: sequence(number), plan: plan(number), objectives, front };
