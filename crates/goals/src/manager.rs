@@ -10,11 +10,12 @@ use wisdom_planner::CostVector;
 
 use crate::prize::quantised;
 use crate::sequence::{
-    Candidate, Effort, GoalSequence, Limits, MAX_SEQUENCED, Problem, Sequences, sequences, weigh,
+    Candidate, Effort, GoalSequence, Limits, MAX_SEQUENCED, Model, Problem, Sequences, sequences,
+    weigh,
 };
 use crate::{
-    Action, Cause, Directive, Domain, Extraction, Fade, Goal, GoalId, PlanFront, Proof, Reason,
-    Site, Status, Term, Verdict, plan_front,
+    Action, Cause, Directive, Domain, Extraction, Fade, Goal, GoalId, PlanFront, Preferences,
+    Proof, Reason, Site, Status, Term, Verdict, plan_front,
 };
 
 /// How the manager weighs.
@@ -843,6 +844,7 @@ impl GoalManager {
         problem: &Problem<'_>,
         map_changed: bool,
     ) -> Vec<Verdict> {
+        let mut tried = Tried::new(problem);
         let order: Vec<GoalId> = selection.sequence().goals().collect();
         let steady = common_order(&self.state.agenda, &order);
         let mut verdicts = revision.ended;
@@ -879,7 +881,7 @@ impl GoalManager {
                 let terms = vec![Term::against("prize", goal.prize, theirs)];
                 (Action::Defer, Reason::Excluded, terms)
             } else {
-                let (reason, terms) = self.why_not(goal, selection, shortlist, poses, problem);
+                let (reason, terms) = self.why_not(goal, selection, shortlist, poses, &mut tried);
                 (Action::Defer, reason, terms)
             };
             let cause = if self.state.decision == 0 {
@@ -912,8 +914,10 @@ impl GoalManager {
         selection: &Selection,
         shortlist: &Shortlist,
         poses: &Poses,
-        problem: &Problem<'_>,
+        tried: &mut Tried<'_>,
     ) -> (Reason, Vec<Term>) {
+        let problem = tried.within.problem;
+        let limits = tried.limits();
         let ways = poses.get(&goal.id).map_or(&[][..], Vec::as_slice);
         if ways.is_empty() {
             return (Reason::Unreachable, vec![Term::against("poses", 0.0, 1.0)]);
@@ -931,7 +935,7 @@ impl GoalManager {
                 min_reliability: way.reliability(),
             };
             let over: Option<Vec<Violation>> =
-                ways.iter().map(|(_, way)| first_violation(&needs(way), &problem.limits)).collect();
+                ways.iter().map(|(_, way)| first_violation(&needs(way), &limits)).collect();
             over?.into_iter().min_by(|a, b| a.excess().total_cmp(&b.excess()))
         });
         if let Some((_, least)) = shortlist.left_out.iter().find(|(id, _)| *id == goal.id) {
@@ -940,7 +944,7 @@ impl GoalManager {
             return alone.map_or((Reason::BeyondExact, cut), Violation::told);
         }
         let chosen = selection.sequence();
-        let (within, over) = insertions(goal.id, selection, problem);
+        let (within, over) = tried.insert(goal.id, selection);
         if let Some(value) = within {
             if selection.held && value > chosen.value {
                 let least = chosen.value * (1.0 + self.spec.hysteresis);
@@ -993,44 +997,59 @@ fn excluder(goal: GoalId, order: &[GoalId], problem: &Problem<'_>) -> Option<Goa
     order.iter().find(apart).copied()
 }
 
-/// Tries a goal at every turn of the chosen sequence: the best value of those within the limits, and the
-/// smallest overrun of the others.
-fn insertions(
-    goal: GoalId,
-    selection: &Selection,
-    problem: &Problem<'_>,
-) -> (Option<f64>, Option<Violation>) {
-    let boundless = Limits {
-        time_s: f64::INFINITY,
-        energy_j: f64::INFINITY,
-        data_mb: f64::INFINITY,
-        min_reliability: 0.0,
-    };
-    let free = Problem { limits: boundless, ..*problem };
-    let order: Vec<GoalId> = selection.sequence().goals().collect();
-    let first_turn = usize::from(selection.pinned.is_some());
-    let mut best: Option<f64> = None;
-    let mut least: Option<Violation> = None;
-    for turn in first_turn..=order.len() {
-        let mut with = order.clone();
-        with.insert(turn, goal);
-        if let Some(within) = weigh(problem, &with) {
-            best = Some(best.map_or(within.value, |b| b.max(within.value)));
-        } else if let Some(over) = weigh(&free, &with) {
-            let needs = Limits {
-                time_s: over.time_s,
-                energy_j: over.energy_j,
-                data_mb: over.data_mb,
-                min_reliability: over.reliability,
-            };
-            if let Some(violation) = first_violation(&needs, &problem.limits)
-                && least.as_ref().is_none_or(|l| violation.excess() < l.excess())
-            {
-                least = Some(violation);
+/// A problem, and the same without limits.
+struct Tried<'a> {
+    within: Model<'a>,
+    free: Model<'a>,
+}
+
+impl<'a> Tried<'a> {
+    fn new(problem: &Problem<'a>) -> Self {
+        let limits = Limits {
+            time_s: f64::INFINITY,
+            energy_j: f64::INFINITY,
+            data_mb: f64::INFINITY,
+            min_reliability: 0.0,
+        };
+        let preferences = Preferences { confidence: 0.0, ..problem.preferences };
+        let free = Problem { limits, preferences, ..*problem };
+        Self { within: Model::new(*problem), free: Model::new(free) }
+    }
+
+    /// The limits, the objective's own floor among them.
+    fn limits(&self) -> Limits {
+        Limits { min_reliability: self.within.floor, ..self.within.problem.limits }
+    }
+
+    /// Tries a goal at every turn of the chosen sequence: the best value of those within the limits, and the smallest
+    /// overrun of the others.
+    fn insert(&mut self, goal: GoalId, selection: &Selection) -> (Option<f64>, Option<Violation>) {
+        let order: Vec<GoalId> = selection.sequence().goals().collect();
+        let first_turn = usize::from(selection.pinned.is_some());
+        let mut best: Option<f64> = None;
+        let mut least: Option<Violation> = None;
+        for turn in first_turn..=order.len() {
+            let mut with = order.clone();
+            with.insert(turn, goal);
+            let Some(turns) = self.within.turns(&with) else { continue };
+            if let Some((within, _)) = self.within.worth(&turns) {
+                best = Some(best.map_or(within.value, |b| b.max(within.value)));
+            } else if let Some((over, data_mb)) = self.free.worth(&turns) {
+                let needs = Limits {
+                    time_s: over.time_s,
+                    energy_j: over.energy_j,
+                    data_mb,
+                    min_reliability: over.reliability,
+                };
+                if let Some(violation) = first_violation(&needs, &self.limits())
+                    && least.as_ref().is_none_or(|l| violation.excess() < l.excess())
+                {
+                    least = Some(violation);
+                }
             }
         }
+        (best, least)
     }
-    (best, least)
 }
 
 /// A limit missed.

@@ -269,7 +269,7 @@ impl Bound {
 
     /// What a step costs in expansions.
     pub(super) fn price(&self) -> u64 {
-        1 + (self.count * self.count) as u64 / 4096
+        1 + (self.count * self.count) as u64 / 1024
     }
 
     /// Some steps towards better multipliers, given the value of a known plan; ends early where no more is to be had.

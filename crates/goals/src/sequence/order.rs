@@ -2,7 +2,7 @@
 
 use wisdom_planner::CostVector;
 
-use super::model::{Call, Model, Standing};
+use super::model::{Call, Model, Standing, Whole};
 use super::problem::{GoalSequence, Problem};
 use crate::{GoalId, ServiceCost};
 
@@ -76,16 +76,28 @@ impl Model<'_> {
 
     /// The stops of the best plan for an order.
     pub(crate) fn best_calls(&mut self, turns: &[usize]) -> Option<Vec<Call>> {
+        let (layers, last, _) = self.best_end(turns)?;
+        Some(layers.calls(turns, last))
+    }
+
+    /// The best plan for an order in numbers, and its data in megabytes.
+    pub(crate) fn worth(&mut self, turns: &[usize]) -> Option<(Whole, f64)> {
+        let (layers, last, whole) = self.best_end(turns)?;
+        Some((whole, layers.layers[turns.len()][last].at.data_mb))
+    }
+
+    /// The ways to serve an order, and which of the last is the best plan.
+    fn best_end(&mut self, turns: &[usize]) -> Option<(Layers, usize, Whole)> {
         let layers = self.ways(turns, ENOUGH, Self::best_of);
-        let mut best: Option<(usize, super::model::Whole)> = None;
-        for (index, way) in layers.layers[layers.layers.len() - 1].iter().enumerate() {
+        let mut best: Option<(usize, Whole)> = None;
+        for (index, way) in layers.layers[turns.len()].iter().enumerate() {
             let Some(whole) = self.whole(&way.at) else { continue };
             if best.is_none_or(|(_, b)| whole.ranks_before(&b)) {
                 best = Some((index, whole));
             }
         }
-        let (last, _) = best?;
-        Some(layers.calls(turns, last))
+        let (last, whole) = best?;
+        Some((layers, last, whole))
     }
 
     /// The stops of some way to serve an order, whether or not a plan can end there.
