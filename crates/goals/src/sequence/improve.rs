@@ -127,7 +127,7 @@ const NEAR: usize = 12;
 impl Improver {
     /// An improver that starts from nothing but the stops that must come first; none if those cannot be done.
     pub(super) fn new(model: &mut Model<'_>, first: &[Call], keep: usize) -> Option<Self> {
-        let net = Net::new(model, [1.0; 3]);
+        let net = Net::new(model);
         let mut start = Tour::empty(model, &net);
         for call in first {
             let visit = net.poses_of[call.candidate]

@@ -36,9 +36,6 @@ pub(super) enum Mode {
     Walk,
 }
 
-/// Weights of time, energy and −ln R in what counts as near, and as cheap.
-pub(super) type Shares = [f64; 3];
-
 /// Visits and the legs between them. Row 0 is the start, row `v + 1` leaves visit `v`; column `v` leads to visit `v`,
 /// the last column to the end.
 pub(super) struct Net {
@@ -71,8 +68,9 @@ pub(super) struct Net {
 pub(super) const NO_WAY: f64 = 1e300;
 
 impl Net {
-    /// The net of a model under these shares, which also decide between alternatives.
-    pub(super) fn new(model: &mut Model<'_>, shares: Shares) -> Self {
+    /// The net of a model. Of the alternatives of a leg the one that uses least of the budgets is taken; the others come in
+    /// when a finished order is weighed.
+    pub(super) fn new(model: &mut Model<'_>) -> Self {
         /// Rows that a visit may be inserted beside; more are never looked through.
         const NEIGHBOURS: usize = 80;
         let problem = model.problem;
@@ -125,7 +123,7 @@ impl Net {
             per_second: 0.0,
             near: Vec::new(),
         };
-        net.lay_out(model, shares);
+        net.lay_out(model);
         let safe = net.risk.iter().all(|&risk| risk == 0.0 || risk >= NO_WAY);
         let value_is_gain = model.objective.value(1.0, 0.0, 0.5) == 1.0;
         net.risk_counts = !safe && (risky || !value_is_gain);
@@ -149,15 +147,13 @@ impl Net {
     }
 
     /// Chooses one alternative for each leg and notes its costs.
-    fn lay_out(&mut self, model: &Model<'_>, shares: Shares) {
+    fn lay_out(&mut self, model: &Model<'_>) {
         let problem = model.problem;
         let limits = problem.limits;
         let max_risk = if model.floor > 0.0 { -libm::log(model.floor) } else { 1.0 };
-        let share = |k: usize, limit: f64| {
-            if limit > 0.0 && limit < f64::INFINITY { shares[k] / limit } else { 0.0 }
-        };
-        let mut per =
-            [share(0, limits.time_s), share(1, limits.energy_j), share(2, max_risk.max(1e-6))];
+        let share =
+            |limit: f64| if limit > 0.0 && limit < f64::INFINITY { 1.0 / limit } else { 0.0 };
+        let mut per = [share(limits.time_s), share(limits.energy_j), share(max_risk.max(1e-6))];
         if per[0] == 0.0 && per[1] == 0.0 {
             // Nothing is short: seconds will do.
             per[0] = 1e-6;
