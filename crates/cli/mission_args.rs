@@ -12,7 +12,8 @@ pub(crate) struct MissionArgs {
     /// Change a key of mission.toml: `budget.energy-j=2e6`, `directive.0.weight=2`.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub(crate) set: Vec<String>,
-    /// The objective over goal sequences: expected-interest or most-interesting.
+    /// The objective over goal sequences: expected-interest, most-interesting, all-or-nothing, chance-constrained,
+    /// net-benefit or utility.
     #[arg(long, value_name = "POLICY")]
     pub(crate) policy: Option<String>,
 }

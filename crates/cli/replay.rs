@@ -225,14 +225,23 @@ fn tell_choice(
     full: bool,
 ) -> std::io::Result<()> {
     let objective = d.objective.clone().unwrap_or_default();
+    let candidates = d.candidates.clone().unwrap_or_default();
+    let (kept, left_out) = (candidates.shortlist.len(), candidates.left_out.len());
+    let best = objective.family.first().and_then(|o| o.sequence.as_ref()).map_or(0.0, |s| s.value);
     let proof = match objective.bound {
-        Some(bound) if objective.proof != "proven" => {
-            let best =
-                objective.family.first().and_then(|o| o.sequence.as_ref()).map_or(0.0, |s| s.value);
-            let gap = if bound > 0.0 { (bound - best) / bound * 100.0 } else { 0.0 };
-            format!("gap {gap:.1} %")
+        _ if objective.proof == "proven" => "proven".to_owned(),
+        Some(bound) if bound > 0.0 && best > 0.0 => {
+            let gap = (bound - best) / bound * 100.0;
+            format!("gap {gap:.1} % (none above {bound:.3})")
         }
-        _ => "proven".to_owned(),
+        Some(bound) => format!("none above {bound:.3}"),
+        None => "heuristic".to_owned(),
+    };
+    // Nothing is said of goals that the search was not given.
+    let proof = if left_out > 0 {
+        format!("{proof} among {kept} of {} goals", kept + left_out)
+    } else {
+        proof
     };
     // Logs of decision versions before 3 know no fronts: there every member is the best of its set.
     let is_way = |(i, option): &(usize, &record::PlanOption)| {

@@ -305,19 +305,16 @@ impl Autonomy {
         watch(Stage::Reach);
         let poses = self.poses(maps, &reach);
         self.manager.give_up_unreachable(&poses, &survey, &mut revision);
-        let shortlist = self.manager.shortlist(&poses);
+        let spacing_m = self.spec.grid.spacing_m();
+        let shortlist = self.manager.shortlist(&poses, spacing_m);
         watch(Stage::Poses);
         let (nodes, nodes_of) = nodes(self.pose.cell, &shortlist, &poses);
         let weights = Weights::sweep(&maps.ground, self.spec.routes.alternatives - 1);
         let options = TravelOptions { limits: DriveLimits::NONE, weights: &weights };
         let travel = self.travel.travel(&maps.ground, &nodes, &options);
         watch(Stage::Travel);
-        let candidates = self.manager.candidates(
-            &shortlist,
-            &nodes_of,
-            self.spec.grid.spacing_m(),
-            self.spent.time_s,
-        );
+        let candidates =
+            self.manager.candidates(&shortlist, &nodes_of, spacing_m, self.spent.time_s);
         let directives = self.manager.directives().to_vec();
         let problem = Problem {
             candidates: &candidates,
@@ -337,8 +334,15 @@ impl Autonomy {
         let selection = self.manager.select(&problem, pinned);
         watch(Stage::Sequences);
         let committed_value = selection.committed.as_ref().map(|s| s.value);
-        let verdicts =
-            self.manager.commit(revision, &selection, &shortlist, &poses, &problem, map_changed);
+        let verdicts = self.manager.commit(
+            revision,
+            &selection,
+            &shortlist,
+            &poses,
+            &problem,
+            spacing_m,
+            map_changed,
+        );
         watch(Stage::Verdicts);
         let family = self.family(maps, &selection, &problem, &nodes)?;
         let chosen = selection.chosen;

@@ -157,7 +157,9 @@ pub enum Reason {
     Outweighed,
     /// With it the plan would be better, but not by enough to change the committed sequence.
     Held,
-    /// Its bound was not among those sequenced exactly.
+    /// With it the plan would be better, but the search ended before it met that.
+    SearchCut,
+    /// Its bound was not among those of the goals sequenced.
     BeyondExact,
     /// No pose from which it can be done is reachable.
     Unreachable,
@@ -183,7 +185,7 @@ pub enum Reason {
 
 impl Reason {
     /// Every reason.
-    pub const ALL: [Self; 24] = [
+    pub const ALL: [Self; 25] = [
         Self::NewMaximum,
         Self::Reopened,
         Self::Promoted,
@@ -197,6 +199,7 @@ impl Reason {
         Self::Risk,
         Self::Outweighed,
         Self::Held,
+        Self::SearchCut,
         Self::BeyondExact,
         Self::Unreachable,
         Self::Preconditions,
@@ -227,6 +230,7 @@ impl fmt::Display for Reason {
             Self::Risk => "risk",
             Self::Outweighed => "outweighed",
             Self::Held => "held",
+            Self::SearchCut => "search-cut",
             Self::BeyondExact => "beyond-exact",
             Self::Unreachable => "unreachable",
             Self::Preconditions => "preconditions",

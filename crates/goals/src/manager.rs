@@ -1,6 +1,7 @@
 //! The goal manager: goals are born from maxima, keep their name while the map changes, enter and leave the
 //! sequence for stated reasons, and are given up when they must be.
 
+use std::cmp::Ordering;
 use std::collections::{BTreeMap, BTreeSet};
 
 use pathfinding::kuhn_munkres::kuhn_munkres;
@@ -723,22 +724,39 @@ impl GoalManager {
         }
     }
 
-    /// The goals to be sequenced exactly: the committed ones, then those of highest bound.
+    /// The goals to be sequenced: mandatory ones, committed ones, then those of highest bound; of goals that no sequence may hold
+    /// together the better one, and the others only if there is room for them. Cells are `spacing_m` metres apart.
     #[must_use]
-    pub fn shortlist(&self, poses: &Poses) -> Shortlist {
+    pub fn shortlist(&self, poses: &Poses, spacing_m: f64) -> Shortlist {
         let mut bounds: Vec<(GoalId, f64)> = self
             .state
             .goals
             .values()
             .filter_map(|goal| Some((goal.id, bound(goal, poses)?)))
             .collect();
+        let committed = |id: &GoalId| self.state.agenda.contains(id);
+        let mandatory = |id: &GoalId| self.directives[self.state.goals[id].directive].mandatory;
+        let first = |id: &GoalId| (mandatory(id), committed(id));
         bounds.sort_by(|a, b| {
-            let committed = |id: &GoalId| self.state.agenda.contains(id);
-            committed(&b.0).cmp(&committed(&a.0)).then(b.1.total_cmp(&a.1)).then(a.0.cmp(&b.0))
+            first(&b.0).cmp(&first(&a.0)).then(b.1.total_cmp(&a.1)).then(a.0.cmp(&b.0))
         });
+        let mut kept: Vec<(GoalId, f64)> = Vec::new();
+        let mut beside: Vec<(GoalId, f64)> = Vec::new();
+        for (id, bound) in bounds {
+            let near = kept.iter().any(|&(other, _)| self.exclude(id, other, spacing_m));
+            if near && !committed(&id) { &mut beside } else { &mut kept }.push((id, bound));
+        }
+        kept.append(&mut beside);
         let most = self.spec.max_sequenced.min(MAX_SEQUENCED);
-        let left_out = bounds.split_off(bounds.len().min(most));
-        Shortlist { kept: bounds.into_iter().map(|(id, _)| id).collect(), left_out }
+        let left_out = kept.split_off(kept.len().min(most));
+        Shortlist { kept: kept.into_iter().map(|(id, _)| id).collect(), left_out }
+    }
+
+    /// Whether doing one of two goals would close the ground around it to the other.
+    fn exclude(&self, one: GoalId, other: GoalId, spacing_m: f64) -> bool {
+        let (a, b) = (&self.state.goals[&one], &self.state.goals[&other]);
+        let closes = |goal: &Goal| self.directives[goal.directive].exclusion_radius_m;
+        one != other && a.target.distance(b.target) * spacing_m <= closes(a).max(closes(b))
     }
 
     /// The shortlisted goals as the search wants them; `nodes` gives the matrix nodes of each goal's poses, `spent_s` how
@@ -754,18 +772,13 @@ impl GoalManager {
         spacing_m: f64,
         spent_s: f64,
     ) -> Vec<Candidate> {
-        let closes = |goal: &Goal| self.directives[goal.directive].exclusion_radius_m;
         shortlist
             .kept
             .iter()
             .map(|id| {
                 let goal = &self.state.goals[id];
                 let poses = nodes.get(id).cloned().unwrap_or_default();
-                let near = |other: &&GoalId| {
-                    let other = &self.state.goals[other];
-                    let radius_m = closes(goal).max(closes(other));
-                    other.id != *id && goal.target.distance(other.target) * spacing_m <= radius_m
-                };
+                let near = |other: &&GoalId| self.exclude(*id, **other, spacing_m);
                 let directive = &self.directives[goal.directive];
                 let fade = directive.fade.map(|fade| Fade {
                     full_until_s: fade.full_until_s - spent_s,
@@ -810,15 +823,20 @@ impl GoalManager {
         let mut held = false;
         if let Some((committed, front)) = &committed {
             let best = &family[0];
-            let factor = 1.0 + self.spec.hysteresis;
-            let better_value =
-                best.value >= factor * committed.value && best.value > committed.value;
+            let least = self.spec.hysteresis;
+            let (gained, worth) = (best.value - committed.value, committed.value.abs());
+            let better_value = gained > 0.0 && gained >= least * worth;
             let safer = best.value == committed.value
-                && best.reliability >= factor * committed.reliability
+                && best.reliability >= (1.0 + least) * committed.reliability
                 && best.reliability > committed.reliability;
             let same = best.goals().eq(committed.goals());
-            let fewer_missed = best.missed < committed.missed;
-            if !same && !better_value && !safer && !fewer_missed {
+            // Mandatory goals come before any value.
+            let better = match best.missed.cmp(&committed.missed) {
+                Ordering::Less => true,
+                Ordering::Equal => better_value || safer,
+                Ordering::Greater => false,
+            };
+            if !same && !better {
                 // A search cut short may not have met the committed sequence, and that may be the best.
                 held = best.rank(committed).is_lt();
                 let known = family.iter().position(|s| s.goals().eq(committed.goals()));
@@ -835,6 +853,7 @@ impl GoalManager {
     }
 
     /// Second half of a deliberation: commits to the chosen sequence and says of every goal what was done.
+    #[expect(clippy::too_many_arguments, reason = "what a decision settled, piece by piece")]
     pub fn commit(
         &mut self,
         revision: Revision,
@@ -842,6 +861,7 @@ impl GoalManager {
         shortlist: &Shortlist,
         poses: &Poses,
         problem: &Problem<'_>,
+        spacing_m: f64,
         map_changed: bool,
     ) -> Vec<Verdict> {
         let mut tried = Tried::new(problem);
@@ -875,7 +895,8 @@ impl GoalManager {
                 } else {
                     (Action::Reorder, Reason::BetterOrder, numbers())
                 }
-            } else if let Some(near) = excluder(goal.id, &order, problem) {
+            } else if let Some(&near) = order.iter().find(|&&o| self.exclude(goal.id, o, spacing_m))
+            {
                 let theirs = self.state.goals[&near].prize;
                 other = Some(near);
                 let terms = vec![Term::against("prize", goal.prize, theirs)];
@@ -947,8 +968,12 @@ impl GoalManager {
         let (within, over) = tried.insert(goal.id, selection);
         if let Some(value) = within {
             if selection.held && value > chosen.value {
-                let least = chosen.value * (1.0 + self.spec.hysteresis);
+                let least = chosen.value + self.spec.hysteresis * chosen.value.abs();
                 return (Reason::Held, vec![Term::against("value with it", value, least)]);
+            }
+            if value > chosen.value && selection.proof != Proof::Proven {
+                let terms = vec![Term::against("value with it", value, chosen.value)];
+                return (Reason::SearchCut, terms);
             }
             return (Reason::Outweighed, vec![Term::against("value with it", value, chosen.value)]);
         }
@@ -985,16 +1010,6 @@ impl GoalManager {
 fn bound(goal: &Goal, poses: &Poses) -> Option<f64> {
     let reliabilities = poses.get(&goal.id)?.iter().map(|(_, cost)| cost.reliability());
     Some(goal.prize * reliabilities.max_by(f64::total_cmp)?)
-}
-
-/// The goal of a sequence beside which another may not stand, if there is one.
-fn excluder(goal: GoalId, order: &[GoalId], problem: &Problem<'_>) -> Option<GoalId> {
-    let candidate = |id: GoalId| problem.candidates.iter().find(|c| c.goal == id);
-    let mine = candidate(goal)?;
-    let apart = |id: &&GoalId| {
-        mine.excludes.contains(id) || candidate(**id).is_some_and(|c| c.excludes.contains(&goal))
-    };
-    order.iter().find(apart).copied()
 }
 
 /// A problem, and the same without limits.

@@ -151,7 +151,7 @@ impl Rig {
         let ways: BTreeMap<_, _> =
             ways.map(|g| (g.id, poses(&reach, &elevation, g.target, &approach))).collect();
         self.manager.give_up_unreachable(&ways, &survey, &mut revision);
-        let shortlist = self.manager.shortlist(&ways);
+        let shortlist = self.manager.shortlist(&ways, 1.0);
         let mut cells = vec![self.at];
         let mut nodes = BTreeMap::new();
         for id in &shortlist.kept {
@@ -174,8 +174,15 @@ impl Rig {
             preferences: Preferences::default(),
         };
         let selection = self.manager.select(&problem, self.pinned);
-        let verdicts =
-            self.manager.commit(revision, &selection, &shortlist, &ways, &problem, map_changed);
+        let verdicts = self.manager.commit(
+            revision,
+            &selection,
+            &shortlist,
+            &ways,
+            &problem,
+            1.0,
+            map_changed,
+        );
         let told = Told { verdicts, selection };
         self.check(&told, &known, first, map_changed);
         told

@@ -62,6 +62,8 @@ pub(super) struct Bound {
     stride: f64,
     stale: u32,
     ladder: Option<Ladder>,
+    /// Reliability of the safest way to a goal, rounded up.
+    safest: f64,
     /// Of a plan that does nothing.
     nothing: f64,
     forest: Forest,
@@ -253,6 +255,9 @@ impl Bound {
             stride: 1.0,
             stale: 0,
             ladder: model.ladder(),
+            safest: (libm::exp(-safest.iter().copied().fold(f64::INFINITY, f64::min))
+                * (1.0 + 1e-9))
+                .min(1.0),
             nothing: model.whole(&Model::start()).map_or(0.0, |whole| whole.value),
             forest: Forest::default(),
         }
@@ -264,7 +269,8 @@ impl Bound {
         const ROUNDING: f64 = 1e-9;
         let gain = self.best + ROUNDING * self.total;
         let gain = self.ladder.map_or(gain, |ladder| ladder.below(gain));
-        model.objective.value(gain, 0.0, 1.0).max(self.nothing)
+        // No plan that visits a goal is safer than the safest way to one.
+        model.objective.value(gain, 0.0, self.safest).max(self.nothing)
     }
 
     /// What a step costs in expansions.

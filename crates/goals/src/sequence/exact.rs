@@ -470,7 +470,8 @@ impl<'m, 'a> Search<'m, 'a> {
         let bound = stay.max(go);
         // Sums of quantised prizes are exact; everything else is raised a little, whatever its sign.
         let exact = self.ladder.is_some() && bound == at.gain + gains;
-        let bound = if exact { bound } else { bound + bound.abs() * (ROUNDING - 1.0) };
+        let grains = bound.abs() + at.gain + gains + charge.abs();
+        let bound = if exact { bound } else { bound + grains * (ROUNDING - 1.0) };
         Promise { bound, mandatory }
     }
 

@@ -16,6 +16,12 @@ impl Kept {
         Self { most: most.max(1), tours: Vec::new() }
     }
 
+    /// Whether a tour is not worse than all that are kept.
+    fn wants(&self, tour: &Tour) -> bool {
+        let full = self.tours.len() >= self.most;
+        self.most > 1 && self.tours.last().is_none_or(|(_, worst, _)| !full || tour.beats(worst))
+    }
+
     fn take(&mut self, net: &Net, tour: &Tour) {
         let last = self.tours.last().filter(|_| self.tours.len() >= self.most);
         if last.is_some_and(|(_, worst, _)| !tour.beats(worst)) {
@@ -98,6 +104,7 @@ pub(super) struct Improver {
     pool: Vec<u32>,
     marks: Vec<u64>,
     rounds: u64,
+    turns: u64,
     noise: f64,
     power: f64,
     /// Starts taken so far, the share of the work at which the present one began and ends, and its first heat.
@@ -112,8 +119,8 @@ const HOT: f64 = 2.0;
 const COLD: f64 = 0.02;
 /// Heat when the best of the starts is taken up again.
 const WARM: f64 = 0.5;
-/// Starts from nothing, and their share of the work.
-const STARTS: u32 = 8;
+/// Starts from nothing at most, and their share of the work. The more goals, the fewer: each start needs its time.
+const STARTS: usize = 8;
 const STARTING: f64 = 0.6;
 /// Worth of unused budget, as a share of what the used one brought.
 const SLACK: f64 = 0.5;
@@ -159,6 +166,7 @@ impl Improver {
             pool: Vec::new(),
             marks: vec![0; net.visits.len()],
             rounds: 0,
+            turns: 0,
             noise: 0.0,
             power: 1.0,
             starts: 0,
@@ -195,7 +203,11 @@ impl Improver {
                 timed = if now >= allowance.until { 1.0 } else { (now - began) / rest };
             }
             let spent = self.expansions as f64 / allowance.expansions.max(1) as f64;
-            let progress = spent.max(timed);
+            let mut progress = spent.max(timed);
+            if progress >= 1.0 && round == 0 && self.limit > 0 && self.best.len() == self.locked {
+                // However late it is: some answer.
+                progress = 0.0;
+            }
             if progress >= 1.0 || self.limit == 0 {
                 break;
             }
@@ -210,8 +222,9 @@ impl Improver {
 
     /// Begins anew: a few times from nothing, then from the best found.
     fn begin(&mut self, model: &mut Model<'_>, progress: f64) {
-        let each = STARTING / f64::from(STARTS);
-        if self.starts < STARTS {
+        let starts = (2000 / self.net.visits.len().max(1)).clamp(2, STARTS) as u32;
+        let each = STARTING / f64::from(starts);
+        if self.starts < starts {
             self.starts += 1;
             self.span = (progress, each * f64::from(self.starts));
             self.hot = HOT;
@@ -241,6 +254,7 @@ impl Improver {
             self.hot = WARM;
             self.current.copy_from(&self.best);
         }
+        self.trial.settle(model, &self.net);
         if self.trial.beats(&self.best) {
             self.best.copy_from(&self.trial);
             self.kept.take(&self.net, &self.trial);
@@ -248,6 +262,12 @@ impl Improver {
     }
 
     fn round(&mut self, model: &mut Model<'_>, progress: f64) {
+        /// Rounds after which sums are made anew, before rounding adds up.
+        const ANEW: u64 = 512;
+        self.turns += 1;
+        if self.turns % ANEW == 0 {
+            self.current.settle(model, &self.net);
+        }
         self.trial.copy_from(&self.current);
         self.noise = [0.0, 0.1, 0.3, 0.6][self.draws.below(4)];
         self.power = [0.5, 1.0, 1.0, 1.5, 2.0][self.draws.below(5)];
@@ -271,7 +291,8 @@ impl Improver {
                 self.best.copy_from(&self.trial);
                 self.kept.take(&self.net, &self.trial);
             }
-        } else if self.kept.most > 1 {
+        } else if self.kept.wants(&self.trial) {
+            self.trial.settle(model, &self.net);
             self.kept.take(&self.net, &self.trial);
         }
         let (trial, current) = (merit(&self.trial), merit(&self.current));

@@ -117,6 +117,8 @@ impl<'m, 'a, 'e> Sequencer<'m, 'a, 'e> {
         /// Expansions of a first answer for each goal.
         const GLANCE: u64 = 60;
         let goals = self.model.problem.candidates.len();
+        // What has to come first is an answer, if it can end.
+        self.plans.extend(self.model.sequence(first));
         let mut improver = Improver::new(self.model, first, self.effort.keep);
         if goals > FEW
             && let Some(improver) = &mut improver
@@ -181,11 +183,12 @@ impl<'m, 'a, 'e> Sequencer<'m, 'a, 'e> {
 
     /// Label search for something better than what was found.
     fn label(&mut self, turns: &[usize]) -> Proof {
-        /// Up to so many goals the label search may have all of the effort.
+        /// Up to so many goals the label search may have nearly all of the effort.
         const SURE: usize = 16;
+        const NEARLY: f64 = 0.9;
         let goals = self.model.problem.candidates.len();
         let clock = self.effort.clock;
-        let until = if goals <= SURE { 1.0 } else { LABELS };
+        let until = if goals <= SURE { NEARLY } else { LABELS };
         let over = || clock.is_some_and(|clock| clock() >= until);
         let most = self.share(until).min(self.left());
         let mark =
@@ -212,10 +215,11 @@ impl<'m, 'a, 'e> Sequencer<'m, 'a, 'e> {
         self.expansions += price * bound.improve(known, steps, &over);
     }
 
-    /// Whether the best plan reaches the bound, so that none can be better but for the order of ties.
+    /// Whether the best plan reaches the bound and misses no mandatory goal, so that none can be better but for the order
+    /// of ties.
     fn is_proven(&self, bound: &Bound) -> bool {
-        let best = self.plans.iter().map(|plan| plan.value).fold(f64::NEG_INFINITY, f64::max);
-        best >= bound.value(self.model)
+        let best = self.plans.iter().min_by(|a, b| a.rank(b));
+        best.is_some_and(|plan| plan.missed == 0 && plan.value >= bound.value(self.model))
     }
 
     fn answer(mut self, proof: Proof) -> Sequences {

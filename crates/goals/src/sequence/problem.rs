@@ -209,7 +209,7 @@ impl GoalSequence {
 pub enum Proof {
     /// No sequence is better.
     Proven,
-    /// The effort ended first; no sequence has more than this value.
+    /// The effort ended first; no sequence that misses no more mandatory goals than the one found has more than this value.
     Bound(f64),
 }
 

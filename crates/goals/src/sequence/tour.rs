@@ -454,6 +454,9 @@ impl Tour {
             let visit = self.route[index] as usize - 1;
             let goal = &net.visits[visit];
             let leg = net.leg(row, visit);
+            if net.time[leg] >= NO_WAY {
+                continue;
+            }
             let mut next_s = time_s + net.time[leg] + goal.service.time_s;
             if windows {
                 let arrival_s = time_s + net.time[leg] + goal.lead_s;
@@ -491,8 +494,10 @@ impl Tour {
         energy_j += net.energy[home];
         neg_ln_r += net.risk[home];
         let reliability = if net.risk_counts { libm::exp(-neg_ln_r) } else { 1.0 };
-        let within =
-            time_s <= limits.time_s && energy_j <= limits.energy_j && reliability >= model.floor;
+        let within = net.time[home] < NO_WAY
+            && time_s <= limits.time_s
+            && energy_j <= limits.energy_j
+            && reliability >= model.floor;
         if windows {
             self.latest.resize(kept, 0.0);
             self.latest.truncate(kept);
