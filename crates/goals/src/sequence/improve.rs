@@ -265,7 +265,7 @@ impl Improver {
         /// Rounds after which sums are made anew, before rounding adds up.
         const ANEW: u64 = 512;
         self.turns += 1;
-        if self.turns % ANEW == 0 {
+        if self.turns.is_multiple_of(ANEW) {
             self.current.settle(model, &self.net);
         }
         self.trial.copy_from(&self.current);
