@@ -679,3 +679,26 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn a_mandatory_goal_is_sequenced_before_any_other_whatever_it_is_worth() {
+    let mut pool = camera();
+    pool.push(pool[0].clone());
+    pool[0].min_interest = 0.8;
+    pool[1] = Directive { name: "must".into(), weight: 0.5, mandatory: true, ..pool[1].clone() };
+    let mut rig = Rig::new(ManagerSpec { max_sequenced: 1, ..spec() }, pool, Cell::new(0, 6));
+    let told = rig.sees(&["0900000000500"]);
+    assert_eq!(told.order(), [1]);
+    assert_eq!(told.says(0), (Action::Defer, Reason::BeyondExact, Cause::Start));
+}
+
+#[test]
+fn goals_that_a_better_one_will_explain_do_not_take_the_place_of_others() {
+    let mut rig = Rig::new(ManagerSpec { max_sequenced: 2, ..spec() }, camera(), Cell::new(0, 6));
+    let told = rig.sees(&["0908000000700"]);
+    let mut order = told.order();
+    order.sort_unstable();
+    assert_eq!(order, [0, 2]);
+    assert_eq!(told.says(1), (Action::Defer, Reason::Excluded, Cause::Start));
+    assert_eq!(told.of(1).other, Some(GoalId(0)));
+}
