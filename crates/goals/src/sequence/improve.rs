@@ -82,6 +82,11 @@ struct Place {
     score: f64,
 }
 
+impl Place {
+    /// It fits nowhere.
+    const NOWHERE: Self = Self { visit: 0, row: 0, score: 0.0 };
+}
+
 pub(super) struct Improver {
     net: Net,
     draws: Draws,
@@ -100,11 +105,13 @@ pub(super) struct Improver {
     places: Vec<Place>,
     worth: Vec<f64>,
     absent: Vec<u32>,
-    /// Visits that a repair considers, and a mark for each.
+    /// Visits that a repair considers, and for each visit the last repair that did; repairs so far.
     pool: Vec<u32>,
     marks: Vec<u64>,
     rounds: u64,
+    /// Rounds so far.
     turns: u64,
+    /// How much chance has to do with this round's choices, and to which power a worth counts in them.
     noise: f64,
     power: f64,
     /// Starts taken so far, the share of the work at which the present one began and ends, and its first heat.
@@ -387,7 +394,7 @@ impl Improver {
             }
             self.absent.push(candidate as u32);
             let place = self.best_place(model, candidate);
-            self.places.push(place.unwrap_or(Place { visit: 0, row: 0, score: 0.0 }));
+            self.places.push(place.unwrap_or(Place::NOWHERE));
         }
         loop {
             let mut top: Option<usize> = None;
@@ -405,7 +412,7 @@ impl Improver {
             // What was weighed before other goals came in may no longer hold.
             if !self.still_fits(model, place) {
                 let anew = self.best_place(model, candidate);
-                self.places[top] = anew.unwrap_or(Place { visit: 0, row: 0, score: 0.0 });
+                self.places[top] = anew.unwrap_or(Place::NOWHERE);
                 if anew.is_none_or(|p| p.row == place.row && p.visit == place.visit) {
                     self.places[top].score = 0.0;
                 }
@@ -489,18 +496,21 @@ impl Improver {
     /// What a visit counts for in this round.
     fn worth(&mut self, model: &Model<'_>, visit: usize) -> f64 {
         let goal = &self.net.visits[visit];
-        let prize = goal.prize;
-        let worth = match self.power {
-            p if p < 1.0 => prize.sqrt(),
-            1.0 => prize,
-            p if p < 2.0 => prize * prize.sqrt(),
-            _ => prize * prize,
-        };
-        let worth = worth * (1.0 + self.noise * (self.draws.unit() - 0.5));
+        let worth = self.raised(goal.prize) * (1.0 + self.noise * (self.draws.unit() - 0.5));
         if model.problem.candidates[goal.candidate as usize].mandatory {
             1e12 + worth
         } else {
             worth
+        }
+    }
+
+    /// A worth to this round's power, which is a half, 1, one and a half or 2: roots have the same bits everywhere.
+    fn raised(&self, worth: f64) -> f64 {
+        match self.power {
+            p if p < 1.0 => worth.sqrt(),
+            1.0 => worth,
+            p if p < 2.0 => worth * worth.sqrt(),
+            _ => worth * worth,
         }
     }
 
@@ -635,7 +645,7 @@ impl Improver {
             let broken = old.score > 0.0 && old.row == new.row;
             if broken {
                 let anew = self.best_place(model, candidate);
-                self.places[at] = anew.unwrap_or(Place { visit: 0, row: 0, score: 0.0 });
+                self.places[at] = anew.unwrap_or(Place::NOWHERE);
                 continue;
             }
             for visit in self.net.poses_of[candidate].clone() {
@@ -715,12 +725,7 @@ impl Improver {
         if worth <= 0.0 {
             return 0.0;
         }
-        let ratio = match self.power {
-            1.0 => worth,
-            2.0 => worth * worth,
-            p if p < 1.0 => worth.sqrt(),
-            _ => worth * worth.sqrt(),
-        } / change.weight.max(1e-7);
+        let ratio = self.raised(worth) / change.weight.max(1e-7);
         ratio * (1.0 + self.noise * (self.draws.unit() - 0.5))
     }
 }

@@ -39,7 +39,7 @@ use model::Call;
 /// The same problem and number of expansions give the same sequences; with a clock they depend on the machine.
 ///
 /// # Panics
-/// If there are more than [`MAX_SEQUENCED`] candidates.
+/// If there are more than [`MAX_SEQUENCED`] candidates, or one names a pose or directive that there is not.
 #[must_use]
 pub fn sequences(problem: &Problem<'_>, effort: Effort<'_>) -> Sequences {
     assert!(
