@@ -146,6 +146,12 @@ impl Tour {
         net.mode == Mode::Windows && self.finish[index] > close_s
     }
 
+    /// The legs to a visit after an index of the route and on from there, and the one that is driven instead.
+    fn legs(&self, net: &Net, visit: usize, index: usize) -> (usize, usize, usize) {
+        let (row, next) = (self.route[index], self.after(net, index));
+        (net.leg(row, visit), net.leg(visit as u32 + 1, next), net.leg(row, next))
+    }
+
     /// What adding a visit after an index of the route would change, if it can be done there.
     pub(super) fn weigh(
         &self,
@@ -154,10 +160,7 @@ impl Tour {
         visit: usize,
         index: usize,
     ) -> Option<Change> {
-        let (row, next) = (self.route[index], self.after(net, index));
-        let there = net.leg(row, visit);
-        let back = net.leg(visit as u32 + 1, next);
-        let instead = net.leg(row, next);
+        let (there, back, instead) = self.legs(net, visit, index);
         if net.time[instead] >= NO_WAY {
             return self.reach_the_end(model, net, visit, index);
         }
@@ -257,7 +260,7 @@ impl Tour {
         visit: usize,
         index: usize,
     ) -> Option<f64> {
-        let instead = net.leg(self.route[index], self.after(net, index));
+        let (_, _, instead) = self.legs(net, visit, index);
         match net.mode {
             Mode::Facts if net.time[instead] < NO_WAY => self.walk(model, net, visit, index),
             _ => self.weigh(model, net, visit, index).map(|change| change.value),
@@ -278,17 +281,14 @@ impl Tour {
 
     /// Puts a visit after an index of the route and works out what it all costs now.
     pub(super) fn insert(&mut self, model: &mut Model<'_>, net: &Net, visit: usize, index: usize) {
-        let unended = net.time[net.leg(self.route[index], self.after(net, index))] >= NO_WAY;
+        let (there, back, instead) = self.legs(net, visit, index);
+        let unended = net.time[instead] >= NO_WAY;
         if net.mode != Mode::Plain || unended {
             self.route.insert(index + 1, visit as u32 + 1);
             self.settle(model, net);
             return;
         }
-        // Sums are kept up here, and made anew when the route is complete.
-        let (row, next) = (self.route[index], self.after(net, index));
-        let there = net.leg(row, visit);
-        let back = net.leg(visit as u32 + 1, next);
-        let instead = net.leg(row, next);
+        // Sums are kept up here, and made anew before the route is believed to be the best.
         let goal = &net.visits[visit];
         let detour = |of: &[f64]| of[there] + of[back] - of[instead];
         self.time_s += detour(&net.time) + goal.service.time_s;
