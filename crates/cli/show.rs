@@ -71,8 +71,9 @@ pub(crate) fn run(args: &ShowArgs) -> anyhow::Result<ExitCode> {
         );
         return Err(InputError(message).into());
     };
-    let plane = plane(&past.maps, &args.layer)?;
-    let elevation = &past.maps.layers[ELEVATION];
+    let maps = past.maps();
+    let plane = plane(maps, &args.layer)?;
+    let elevation = &maps.layers[ELEVATION];
     let shade = wisdom_terrain::hillshade(elevation, 315f64.to_radians(), 45f64.to_radians());
     let name = log.metadata.get("mission").map_or("mission", String::as_str);
     let rule = log.metadata.get("rule").map_or("?", String::as_str);

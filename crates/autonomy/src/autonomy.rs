@@ -16,9 +16,9 @@ use wisdom_planner::{
 
 use crate::maps::Digester;
 use crate::{
-    Act, AutonomyError, Decision, Digest, Digests, FrontOf, Knowledge, MIN_WORKING_CELLS, Maps,
-    Objectives, Observation, Outcome, PlanOption, Pose, RoverState, Source, Spec, Spent, Stage,
-    StepResult, Trigger, Watch,
+    Act, AutonomyError, Decision, Deliberation, Digest, Digests, FrontOf, Knowledge,
+    MIN_WORKING_CELLS, Maps, Objectives, Observation, Outcome, PlanOption, Pose, RoverState,
+    Source, Spec, Spent, Stage, StepResult, Trigger, Watch,
 };
 
 /// Cells around a goal whose ground decides whether a place given up may be tried again.
@@ -54,6 +54,7 @@ pub struct Autonomy {
     triggers: Vec<Trigger>,
     underway: Option<Underway>,
     idle_looks: u32,
+    deliberation: Option<Deliberation>,
 }
 
 impl Autonomy {
@@ -113,6 +114,7 @@ impl Autonomy {
             triggers: vec![Trigger::Start],
             underway: None,
             idle_looks: 0,
+            deliberation: None,
         })
     }
 
@@ -132,6 +134,12 @@ impl Autonomy {
     #[must_use]
     pub fn working_map(&self) -> Window {
         self.working
+    }
+
+    /// What the latest decision was searched in; none before the first.
+    #[must_use]
+    pub fn deliberation(&self) -> Option<&Deliberation> {
+        self.deliberation.as_ref()
     }
 
     /// The facts that hold.
@@ -294,6 +302,7 @@ impl Autonomy {
             stand: self.pose.cell,
             map_changed,
         };
+        let agenda = state.manager.agenda.clone();
         let mut revision = self.manager.revise(&survey);
         watch(Stage::Goals);
 
@@ -362,7 +371,7 @@ impl Autonomy {
         let number = self.decisions;
         self.decisions += 1;
         self.decided_version = self.knowledge.version();
-        Ok(Decision {
+        let decision = Decision {
             number,
             triggers,
             state,
@@ -382,7 +391,18 @@ impl Autonomy {
             act,
             act_cost,
             manager_after: self.manager.state().clone(),
-        })
+        };
+        self.deliberation = Some(Deliberation {
+            candidates,
+            travel,
+            nodes,
+            facts: self.facts,
+            limits,
+            agenda: agenda,
+            pinned,
+            selection,
+        });
+        Ok(decision)
     }
 
     fn state(&self) -> RoverState {

@@ -2,6 +2,7 @@
 
 mod autonomy;
 mod decision;
+mod deliberation;
 mod error;
 mod knowledge;
 mod maps;
@@ -13,6 +14,7 @@ pub use autonomy::Autonomy;
 pub use decision::{
     Act, Decision, Digest, Digests, FrontOf, Objectives, PlanOption, RoverState, Trigger,
 };
+pub use deliberation::Deliberation;
 pub use error::AutonomyError;
 pub use knowledge::Knowledge;
 pub use maps::Maps;

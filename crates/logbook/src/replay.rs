@@ -238,18 +238,29 @@ fn chain(log: &LogReader) -> String {
     }
 }
 
-/// A decision of the past with the maps it was made from.
+/// A decision of the past with what it was made from.
 #[derive(Debug, Clone)]
 pub struct Past {
     /// The decision, derived again.
     pub decision: Decision,
-    /// The maps it was made from.
-    pub maps: Maps,
+    /// The core right after it: its maps and deliberation are those of the decision.
+    pub rover: Autonomy,
     /// Goals achieved before it: their targets and names.
     pub achieved: Vec<(Cell, String)>,
 }
 
-/// Derives a decision of a log again, with its maps; none if the log does not hold it. Every decision up to it
+impl Past {
+    /// The maps the decision was made from.
+    ///
+    /// # Panics
+    /// Never: a core that has decided has maps.
+    #[must_use]
+    pub fn maps(&self) -> &Maps {
+        self.rover.maps().expect("a core that has decided has maps")
+    }
+}
+
+/// Derives a decision of a log again, with what it was made from; none if the log does not hold it. Every decision up to it
 /// is held against its record, so what is shown is what was logged.
 ///
 /// # Errors
@@ -272,7 +283,7 @@ pub fn derive_at(log: &LogReader, number: u32) -> Result<Option<Past>, ReplayErr
                     return Err(ReplayError::Differs(Box::new(difference)));
                 }
                 if decision.number == number {
-                    return Ok(rover.maps().cloned().map(|maps| Past { decision, maps, achieved }));
+                    return Ok(Some(Past { decision, rover, achieved }));
                 }
                 let done = decision.verdicts.iter().filter(|v| v.action == Action::Achieve);
                 achieved.extend(done.map(|v| (v.goal.target, v.goal.id.to_string())));

@@ -1,7 +1,9 @@
 //! The goal manager: goals are born from maxima, keep their name while the map changes, enter and leave the
 //! sequence for stated reasons, and are given up when they must be.
 
-use std::cmp::Ordering;
+mod select;
+mod why;
+
 use std::collections::{BTreeMap, BTreeSet};
 
 use pathfinding::kuhn_munkres::kuhn_munkres;
@@ -10,14 +12,14 @@ use wisdom_grid::{Cell, Raster};
 use wisdom_planner::CostVector;
 
 use crate::prize::quantised;
-use crate::sequence::{
-    Candidate, Effort, GoalSequence, Limits, MAX_SEQUENCED, Model, Problem, Sequences, sequences,
-    weigh,
-};
+use crate::sequence::{Candidate, MAX_SEQUENCED, Problem};
 use crate::{
-    Action, Cause, Directive, Domain, Extraction, Fade, Goal, GoalId, PlanFront, Preferences,
-    Proof, Reason, Site, Status, Term, Verdict, plan_front,
+    Action, Cause, Directive, Domain, Extraction, Fade, Goal, GoalId, Reason, Site, Status, Term,
+    Verdict,
 };
+
+pub use select::Selection;
+use why::{Tried, bound};
 
 /// How the manager weighs.
 #[derive(Debug, Clone, PartialEq)]
@@ -155,58 +157,6 @@ pub struct Shortlist {
     /// The others that could be reached, each with the bound that was too low: prize times the reliability of
     /// its safest pose, the most it could add to any sequence on its own.
     pub left_out: Vec<(GoalId, f64)>,
-}
-
-/// The sequence chosen and what it was chosen from.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Selection {
-    /// The family, best first; holds the chosen one.
-    pub family: Vec<GoalSequence>,
-    /// For each of the family, the plans of its order that none beats in time, energy and −ln R at once.
-    pub fronts: Vec<PlanFront>,
-    /// Index of the chosen sequence.
-    pub chosen: usize,
-    /// What is known of the best sequence.
-    pub proof: Proof,
-    /// Labels expanded.
-    pub expansions: u64,
-    /// The committed sequence weighed on today's map, if it can still be carried out.
-    pub committed: Option<GoalSequence>,
-    /// Whether the committed sequence was kept although another is better, but not by enough.
-    pub held: bool,
-    /// The goal of the leg under way, if the sequences had to begin with it.
-    pub pinned: Option<GoalId>,
-}
-
-impl Selection {
-    /// The chosen sequence.
-    #[must_use]
-    pub fn sequence(&self) -> &GoalSequence {
-        &self.family[self.chosen]
-    }
-}
-
-/// Ways kept after each goal of an order while its front is worked out.
-const FRONT_LABELS: usize = 500;
-
-/// The front of a sequence's order, and the best plan known for that order: a search that was cut short may have met a
-/// worse one than the front holds.
-fn with_front(problem: &Problem<'_>, sequence: GoalSequence) -> (GoalSequence, PlanFront) {
-    let order: Vec<GoalId> = sequence.goals().collect();
-    let front = plan_front(problem, &order, FRONT_LABELS);
-    let best =
-        front.plans.iter().min_by(|a, b| a.rank(b)).filter(|plan| plan.rank(&sequence).is_lt());
-    (best.cloned().unwrap_or(sequence), front)
-}
-
-/// The same for a family, best first.
-fn with_fronts(
-    problem: &Problem<'_>,
-    family: Vec<GoalSequence>,
-) -> (Vec<GoalSequence>, Vec<PlanFront>) {
-    let mut both: Vec<_> = family.into_iter().map(|s| with_front(problem, s)).collect();
-    both.sort_by(|(a, _), (b, _)| a.rank(b));
-    both.into_iter().unzip()
 }
 
 /// What a revision already settled, until the sequence is known.
@@ -794,62 +744,10 @@ impl GoalManager {
             .collect()
     }
 
-    /// Chooses a sequence: the best, unless the committed one is nearly as good.
-    ///
-    /// `pinned` is the goal of the leg under way (the commit window): it stays first if it can. The committed
-    /// sequence without the goals that have ended is what a better one is held against.
+    /// Chooses a sequence, as [`ManagerSpec::select`] does against the committed one.
     #[must_use]
     pub fn select(&self, problem: &Problem<'_>, pinned: Option<GoalId>) -> Selection {
-        let pin: Vec<GoalId> = pinned.into_iter().collect();
-        let effort = Effort {
-            expansions: self.spec.expansions,
-            keep: self.spec.family,
-            first: &pin,
-            clock: None,
-        };
-        let mut found = sequences(problem, effort);
-        let pinned = pinned.filter(|_| !found.best[0].stops.is_empty());
-        if pinned.is_none() && !pin.is_empty() {
-            found = sequences(problem, Effort { first: &[], ..effort });
-        }
-        let Sequences { best, proof, expansions } = found;
-        let (mut family, mut fronts) = with_fronts(problem, best);
-        let known = |id: &GoalId| problem.candidates.iter().any(|c| c.goal == *id);
-        let order: Vec<GoalId> = self.state.agenda.iter().copied().filter(known).collect();
-        let keeps_pin = pinned.is_none_or(|pin| order.first() == Some(&pin));
-        let committed = if order.is_empty() || !keeps_pin { None } else { weigh(problem, &order) };
-        let committed = committed.map(|committed| with_front(problem, committed));
-        let mut chosen = 0;
-        let mut held = false;
-        if let Some((committed, front)) = &committed {
-            let best = &family[0];
-            let least = self.spec.hysteresis;
-            let (gained, worth) = (best.value - committed.value, committed.value.abs());
-            let better_value = gained > 0.0 && gained >= least * worth;
-            let safer = best.value == committed.value
-                && best.reliability >= (1.0 + least) * committed.reliability
-                && best.reliability > committed.reliability;
-            let same = best.goals().eq(committed.goals());
-            // Mandatory goals come before any value.
-            let better = match best.missed.cmp(&committed.missed) {
-                Ordering::Less => true,
-                Ordering::Equal => better_value || safer,
-                Ordering::Greater => false,
-            };
-            if !same && !better {
-                // A search cut short may not have met the committed sequence, and that may be the best.
-                held = best.rank(committed).is_lt();
-                let known = family.iter().position(|s| s.goals().eq(committed.goals()));
-                chosen = known.unwrap_or_else(|| {
-                    let turn = family.partition_point(|s| s.rank(committed).is_lt());
-                    family.insert(turn, committed.clone());
-                    fronts.insert(turn, front.clone());
-                    turn
-                });
-            }
-        }
-        let committed = committed.map(|(committed, _)| committed);
-        Selection { family, fronts, chosen, proof, expansions, committed, held, pinned }
+        self.spec.select(problem, &self.state.agenda, pinned)
     }
 
     /// Second half of a deliberation: commits to the chosen sequence and says of every goal what was done.
@@ -928,69 +826,6 @@ impl GoalManager {
         verdicts
     }
 
-    /// The first constraint that keeps a goal out of the sequence, with the numbers compared.
-    fn why_not(
-        &self,
-        goal: &Goal,
-        selection: &Selection,
-        shortlist: &Shortlist,
-        poses: &Poses,
-        tried: &mut Tried<'_>,
-    ) -> (Reason, Vec<Term>) {
-        let problem = tried.within.problem;
-        let limits = tried.limits();
-        let ways = poses.get(&goal.id).map_or(&[][..], Vec::as_slice);
-        if ways.is_empty() {
-            return (Reason::Unreachable, vec![Term::against("poses", 0.0, 1.0)]);
-        }
-        let directive = &self.directives[goal.directive];
-        let ready = problem.facts.contains(directive.requires);
-        let service =
-            ready.then(|| problem.domain.expand(problem.facts, directive.achieves)).flatten();
-        // The constraint that keeps it from being done next, from the pose that misses it by least.
-        let alone = service.as_ref().and_then(|service| {
-            let needs = |way: &CostVector| Limits {
-                time_s: way.time_s + service.cost.time_s,
-                energy_j: way.energy_j + service.cost.energy_j,
-                data_mb: service.cost.data_mb,
-                min_reliability: way.reliability(),
-            };
-            let over: Option<Vec<Violation>> =
-                ways.iter().map(|(_, way)| first_violation(&needs(way), &limits)).collect();
-            over?.into_iter().min_by(|a, b| a.excess().total_cmp(&b.excess()))
-        });
-        if let Some((_, least)) = shortlist.left_out.iter().find(|(id, _)| *id == goal.id) {
-            let last = shortlist.kept.last().and_then(|id| bound(&self.state.goals[id], poses));
-            let cut = vec![Term::against("bound", *least, last.unwrap_or(0.0))];
-            return alone.map_or((Reason::BeyondExact, cut), Violation::told);
-        }
-        let chosen = selection.sequence();
-        let (within, over) = tried.insert(goal.id, selection);
-        if let Some(value) = within {
-            if selection.held && value > chosen.value {
-                let least = chosen.value + self.spec.hysteresis * chosen.value.abs();
-                return (Reason::Held, vec![Term::against("value with it", value, least)]);
-            }
-            if value > chosen.value && selection.proof != Proof::Proven {
-                let terms = vec![Term::against("value with it", value, chosen.value)];
-                return (Reason::SearchCut, terms);
-            }
-            return (Reason::Outweighed, vec![Term::against("value with it", value, chosen.value)]);
-        }
-        if let Some(violation) = alone.or(over) {
-            return violation.told();
-        }
-        if service.is_none() {
-            let wanted = directive.requires.with(directive.achieves);
-            let missing = problem.domain.names(wanted.without(problem.facts)).count();
-            return (
-                Reason::Preconditions,
-                vec![Term::against("facts missing", missing as f64, 0.0)],
-            );
-        }
-        (Reason::Outweighed, vec![Term::of("prize", goal.prize)])
-    }
-
     /// Whether a problem can be stated for this domain: every directive can be achieved from the start.
     ///
     /// # Errors
@@ -1004,101 +839,6 @@ impl GoalManager {
         }
         Ok(())
     }
-}
-
-/// The most a goal could add to any sequence on its own: prize times the reliability of its safest pose.
-fn bound(goal: &Goal, poses: &Poses) -> Option<f64> {
-    let reliabilities = poses.get(&goal.id)?.iter().map(|(_, cost)| cost.reliability());
-    Some(goal.prize * reliabilities.max_by(f64::total_cmp)?)
-}
-
-/// A problem, and the same without limits.
-struct Tried<'a> {
-    within: Model<'a>,
-    free: Model<'a>,
-}
-
-impl<'a> Tried<'a> {
-    fn new(problem: &Problem<'a>) -> Self {
-        let limits = Limits {
-            time_s: f64::INFINITY,
-            energy_j: f64::INFINITY,
-            data_mb: f64::INFINITY,
-            min_reliability: 0.0,
-        };
-        let preferences = Preferences { confidence: 0.0, ..problem.preferences };
-        let free = Problem { limits, preferences, ..*problem };
-        Self { within: Model::new(*problem), free: Model::new(free) }
-    }
-
-    /// The limits, the objective's own floor among them.
-    fn limits(&self) -> Limits {
-        Limits { min_reliability: self.within.floor, ..self.within.problem.limits }
-    }
-
-    /// Tries a goal at every turn of the chosen sequence: the best value of those within the limits, and the smallest
-    /// overrun of the others.
-    fn insert(&mut self, goal: GoalId, selection: &Selection) -> (Option<f64>, Option<Violation>) {
-        let order: Vec<GoalId> = selection.sequence().goals().collect();
-        let first_turn = usize::from(selection.pinned.is_some());
-        let mut best: Option<f64> = None;
-        let mut least: Option<Violation> = None;
-        for turn in first_turn..=order.len() {
-            let mut with = order.clone();
-            with.insert(turn, goal);
-            let Some(turns) = self.within.turns(&with) else { continue };
-            if let Some((within, _)) = self.within.worth(&turns) {
-                best = Some(best.map_or(within.value, |b| b.max(within.value)));
-            } else if let Some((over, data_mb)) = self.free.worth(&turns) {
-                let needs = Limits {
-                    time_s: over.time_s,
-                    energy_j: over.energy_j,
-                    data_mb,
-                    min_reliability: over.reliability,
-                };
-                if let Some(violation) = first_violation(&needs, &self.limits())
-                    && least.as_ref().is_none_or(|l| violation.excess() < l.excess())
-                {
-                    least = Some(violation);
-                }
-            }
-        }
-        (best, least)
-    }
-}
-
-/// A limit missed.
-struct Violation {
-    reason: Reason,
-    name: &'static str,
-    needed: f64,
-    limit: f64,
-}
-
-impl Violation {
-    /// By how much, as a share of the limit.
-    fn excess(&self) -> f64 {
-        (self.needed - self.limit).abs() / self.limit.abs().max(f64::MIN_POSITIVE)
-    }
-
-    fn told(self) -> (Reason, Vec<Term>) {
-        (self.reason, vec![Term::against(self.name, self.needed, self.limit)])
-    }
-}
-
-/// The first limit that some needs exceed, in the order time, energy, data, risk.
-fn first_violation(needs: &Limits, limits: &Limits) -> Option<Violation> {
-    let over = |reason, name, needed: f64, limit: f64| {
-        (needed > limit).then_some(Violation { reason, name, needed, limit })
-    };
-    over(Reason::Time, "time_s", needs.time_s, limits.time_s)
-        .or_else(|| over(Reason::Energy, "energy_j", needs.energy_j, limits.energy_j))
-        .or_else(|| over(Reason::Data, "data_mb", needs.data_mb, limits.data_mb))
-        .or_else(|| {
-            let (needed, limit) = (needs.min_reliability, limits.min_reliability);
-            let (reason, name) = (Reason::Risk, "reliability");
-            (needed < limit).then_some(Violation { reason, name, needed, limit })
-        })
 }
 
 /// The goals of the longest subsequence common to two orders: those whose turn did not change among the

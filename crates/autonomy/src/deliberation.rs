@@ -1,0 +1,48 @@
+//! What a decision was searched in, kept for whoever asks about it afterwards.
+
+use wisdom_goals::{Candidate, FactSet, GoalId, Limits, Problem, Selection};
+use wisdom_grid::Cell;
+use wisdom_planner::TravelMatrix;
+
+use crate::Spec;
+
+/// The problem behind the latest decision: what would have been decided under other limits or prizes can be worked out
+/// from it, and outside planners can be given it.
+#[derive(Debug, Clone)]
+pub struct Deliberation {
+    /// The goals that were sequenced.
+    pub candidates: Vec<Candidate>,
+    /// Costs and routes between the nodes.
+    pub travel: TravelMatrix,
+    /// Cells of the matrix's nodes: where the rover stood, then the poses.
+    pub nodes: Vec<Cell>,
+    /// Facts that held.
+    pub facts: FactSet,
+    /// What was left to spend, and the reliability floor.
+    pub limits: Limits,
+    /// The sequence committed to before.
+    pub agenda: Vec<GoalId>,
+    /// The goal that the sequences were asked to begin with.
+    pub pinned: Option<GoalId>,
+    /// What was chosen.
+    pub selection: Selection,
+}
+
+impl Deliberation {
+    /// The problem as the search met it; `spec` is the core's.
+    #[must_use]
+    pub fn problem<'a>(&'a self, spec: &'a Spec) -> Problem<'a> {
+        Problem {
+            candidates: &self.candidates,
+            travel: &self.travel,
+            ends: &[],
+            domain: &spec.domain,
+            directives: &spec.directives,
+            facts: self.facts,
+            limits: self.limits,
+            waiting_w: 0.0,
+            policy: spec.policy,
+            preferences: spec.preferences,
+        }
+    }
+}
