@@ -312,7 +312,7 @@ fn a_changed_reading_under_a_chosen_goal_is_found_at_its_decision() {
                     }
                 }
             }
-            Entry::Outcome(_) | Entry::Fault(_) => {}
+            Entry::Outcome(_) | Entry::Message(_) | Entry::Fault(_) => {}
         }
     }
     let (number, decision, cell) = wanted.expect("the rover looked at a goal on its way");

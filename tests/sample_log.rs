@@ -15,6 +15,7 @@ fn sample_logs_of_every_version_read_back_whole() {
         "paper-decisions-2.mcap",
         "paper-decisions-3.mcap",
         "paper-decisions-4.mcap",
+        "paper-decisions-5.mcap",
     ] {
         let log = LogReader::open(&sample(name)).expect("the sample is a log");
         assert_eq!(log.status, Status::Complete, "{name}");
@@ -31,7 +32,7 @@ fn sample_logs_of_every_version_read_back_whole() {
 
 #[test]
 fn the_newest_sample_is_decided_again() {
-    let path = sample("paper-decisions-4.mcap");
+    let path = sample("paper-decisions-5.mcap");
     let log = LogReader::open(&path).expect("the sample is a log");
     let versions: Vec<u32> = log.decisions().map(|d| d.decision_version).collect();
     assert!(

@@ -57,6 +57,11 @@ pub(crate) fn run(args: &ReplayArgs) -> anyhow::Result<ExitCode> {
     for entry in &log.entries {
         match entry {
             Entry::Observation(_) => {}
+            Entry::Message(message) => {
+                if args.decision.is_none() {
+                    writeln!(out, "{}\n", message.text())?;
+                }
+            }
             Entry::Fault(fault) => {
                 if args.decision.is_none() {
                     writeln!(out, "{} (the rover is not told)\n", fault.text)?;

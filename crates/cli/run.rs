@@ -10,7 +10,7 @@ use comfy_table::Table;
 use comfy_table::presets::NOTHING;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::{Value, json};
-use wisdom_autonomy::{Decision, Maps, Observation, Outcome};
+use wisdom_autonomy::{Decision, Maps, Message, Observation, Outcome};
 use wisdom_goals::{Action, Cause, GoalId, Reason};
 use wisdom_logbook::LogWriter;
 use wisdom_mission::{FaultEvent, Mission, Override, Progress, RecordError, Recorder, RunSummary};
@@ -85,6 +85,10 @@ impl Recorder for Logged<'_> {
         Recorder::outcome(self.log, outcome)?;
         self.told = now();
         Ok(())
+    }
+
+    fn message(&mut self, message: &Message) -> Result<(), RecordError> {
+        Recorder::message(self.log, message)
     }
 
     fn fault(&mut self, event: &FaultEvent) -> Result<(), RecordError> {

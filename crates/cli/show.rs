@@ -201,9 +201,9 @@ fn overlays<'a>(
     let mut reached = achieved.to_vec();
     for verdict in &decision.verdicts {
         let at = (verdict.goal.target, verdict.goal.id.to_string());
-        match (verdict.action, verdict.goal.status) {
+        match (verdict.action, verdict.goal.status()) {
             (Action::Achieve, _) => reached.push(at),
-            (_, Status::Committed) => chosen.push(at),
+            (_, Status::Committed | Status::Dispatched) => chosen.push(at),
             (Action::Drop, _) => {}
             _ => known.push((at.0, String::new())),
         }

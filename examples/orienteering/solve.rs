@@ -1,8 +1,8 @@
 //! The production sequencer on an orienteering problem: goals without preconditions, legs that never fail.
 
 use wisdom_goals::{
-    Candidate, DRIVE, Directive, Domain, Effort, FactSet, GoalId, Limits, OperatorText, Policy,
-    Preferences, Problem, Proof, ServiceCost, Window, sequences,
+    Candidate, DRIVE, Directive, Domain, Effort, GoalId, Limits, OperatorText, Policy, Preferences,
+    Problem, Proof, ServiceCost, Window, sequences,
 };
 use wisdom_grid::Cell;
 use wisdom_planner::{CostVector, TravelMatrix};
@@ -103,20 +103,6 @@ fn visiting() -> (Domain, Directive) {
     let operators = [operator(DRIVE, Vec::new()), operator("visit", vec![VISITED.to_owned()])];
     let domain = Domain::new(&operators, &[]).expect("no operator needs a fact");
     let achieves = domain.set(&[VISITED.to_owned()]).expect("an operator adds it");
-    let directive = Directive {
-        name: "visit".to_owned(),
-        experts: Vec::new(),
-        min_credit: 0.0,
-        min_interest: 0.0,
-        weight: 1.0,
-        requires: FactSet::EMPTY,
-        achieves,
-        standoff_m: 0.0,
-        max_attempts: 1,
-        exclusion_radius_m: 0.0,
-        substitute: None,
-        mandatory: false,
-        fade: None,
-    };
+    let directive = Directive { max_attempts: 1, ..Directive::new("visit", achieves) };
     (domain, directive)
 }

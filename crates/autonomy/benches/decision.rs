@@ -191,19 +191,13 @@ fn spec() -> Spec {
     .expect("the operators fit");
     let set = |facts: &[&str]| domain.set(&names(facts)).expect("facts of the domain");
     let directive = |name: &str, experts: &[usize], weight: f64, achieves: &str| Directive {
-        name: name.into(),
         experts: experts.to_vec(),
         min_credit: 0.4,
         min_interest: 0.6,
         weight,
-        requires: set(&[]),
-        achieves: set(&[achieves]),
         standoff_m: 6.0,
-        max_attempts: 2,
         exclusion_radius_m: 15.0,
-        substitute: None,
-        mandatory: false,
-        fade: None,
+        ..Directive::new(name, set(&[achieves]))
     };
     let directives = vec![
         directive("analyse-outcrop", &[0, 2], 1.0, "analysed"),
@@ -242,6 +236,8 @@ fn spec() -> Spec {
             footprint_radius_m: 1.5,
             ..Vehicle::default()
         },
+        class_layer: None,
+        close_look: BTreeMap::new(),
         slip_layer: None,
         routes: RouteSpec::default(),
         budget: Budget {

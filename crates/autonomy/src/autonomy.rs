@@ -1,24 +1,22 @@
 //! The core itself: observe, decide, report.
 
-use std::collections::BTreeMap;
-
-use rayon::prelude::*;
 use wisdom_fusion::credit;
 use wisdom_goals::{
-    Approach, CausalGraph, Event, FactSet, Goal, GoalId, GoalManager, GoalSequence, Limits, Poses,
-    Preferences, Prices, Problem, Selection, Shortlist, Survey, poses,
+    Access, CausalGraph, Command, Deliberated, Event, FactSet, Goal, GoalId, GoalManager,
+    GoalSequence, Kind, Limits, Preferences, Prices, Problem, Selection, Survey, View, Wish,
 };
 use wisdom_grid::{Cell, Window};
 use wisdom_planner::{
     Budget as PlanBudget, CostVector, Field, FieldOptions, Leg, Limits as DriveLimits, Plan, Route,
-    Service, TravelCache, TravelMatrix, TravelOptions, Weights, field, validate,
+    Service, TravelCache, TravelMatrix, field, validate,
 };
 
 use crate::maps::Digester;
+use crate::weighing::{Asked, Standing, Weighing, weigh};
 use crate::{
     Act, AutonomyError, Decision, Deliberation, Digest, Digests, FrontOf, Knowledge,
-    MIN_WORKING_CELLS, Maps, Objectives, Observation, Outcome, PlanOption, Pose, RoverState,
-    Source, Spec, Spent, Stage, StepResult, Trigger, Watch,
+    MIN_WORKING_CELLS, Maps, Message, Objectives, Observation, Outcome, Pace, PlanOption, Pose,
+    RoverState, Source, Spec, Spent, Stage, StepResult, Trigger, Triggers, Wake, Watch, Word,
 };
 
 /// Cells around a goal whose ground decides whether a place given up may be tried again.
@@ -30,6 +28,8 @@ struct Underway {
     goal: GoalId,
     route: Route,
     energy_at_start_j: f64,
+    /// Prizes of the route's cells when it was decided; empty if nobody asks for their changes.
+    prizes: Vec<f32>,
 }
 
 /// The autonomy core: a pure function of its spec and of what it observed and was told.
@@ -50,7 +50,10 @@ pub struct Autonomy {
     spent: Spent,
     observations: u32,
     decisions: u32,
+    messages: u32,
     decided_version: u64,
+    /// Mission time of the last decision, seconds.
+    decided_at_s: f64,
     triggers: Vec<Trigger>,
     underway: Option<Underway>,
     idle_looks: u32,
@@ -110,7 +113,9 @@ impl Autonomy {
             spent: Spent::default(),
             observations: 0,
             decisions: 0,
+            messages: 0,
             decided_version: 0,
+            decided_at_s: 0.0,
             triggers: vec![Trigger::Start],
             underway: None,
             idle_looks: 0,
@@ -148,10 +153,12 @@ impl Autonomy {
         self.facts
     }
 
-    /// What calls for a decision now.
+    /// What calls for a decision now. At a cadence ([`Pace::Cadence`]) what is not urgent is kept until something is.
     #[must_use]
     pub fn triggers(&self) -> &[Trigger] {
-        &self.triggers
+        let paced = self.spec.triggers.pace == Pace::Cadence;
+        let due = !paced || self.triggers.iter().any(Trigger::is_urgent);
+        if due { &self.triggers } else { &[] }
     }
 
     /// Takes in an observation, derives the maps anew if a reading changed, and notes what calls for a
@@ -215,6 +222,54 @@ impl Autonomy {
             }
             (Some(maps), None) => maps,
         });
+        Ok(())
+    }
+
+    /// Takes in word from the ground or from the rover's own health watch.
+    ///
+    /// # Errors
+    /// [`AutonomyError`] if the message is out of order, or names a directive, a fact or a place that there is not.
+    pub fn hear(&mut self, message: &Message) -> Result<(), AutonomyError> {
+        let number = message.number;
+        if number != self.messages {
+            return Err(AutonomyError::MessageOrder { expected: self.messages, found: number });
+        }
+        let wrong = |why: String| AutonomyError::Message { number, why };
+        match &message.word {
+            Word::Pursue { name, directive, target, prize, mandatory } => {
+                self.check_cell(*target)?;
+                let pool = self.manager.directives();
+                let index = pool.iter().position(|d| d.name == *directive);
+                let directive =
+                    index.ok_or_else(|| wrong(format!("`{directive}` is no directive")))?;
+                if !(prize.is_finite() && *prize > 0.0) {
+                    return Err(wrong(format!("a prize of {prize}; expected more than 0")));
+                }
+                self.manager.command(Command {
+                    name: name.clone(),
+                    wish: Wish::Pursue {
+                        directive,
+                        target: *target,
+                        prize: *prize,
+                        mandatory: *mandatory,
+                    },
+                });
+                self.trigger(Trigger::Command { number });
+            }
+            Word::Withdraw { name } => {
+                self.manager.command(Command { name: name.clone(), wish: Wish::Withdraw });
+                self.trigger(Trigger::Command { number });
+            }
+            Word::Facts { adds, deletes } => {
+                let set = |names: &[String]| {
+                    self.spec.domain.set(names).map_err(|error| wrong(error.to_string()))
+                };
+                let (adds, deletes) = (set(adds)?, set(deletes)?);
+                self.facts = self.facts.without(deletes).with(adds);
+                self.trigger(Trigger::Facts { number });
+            }
+        }
+        self.messages += 1;
         Ok(())
     }
 
@@ -291,18 +346,37 @@ impl Autonomy {
         let map_changed = self.knowledge.version() != self.decided_version;
         let credit_at = |cell: Cell| credit(&maps.evidence, &self.spec.fusion, cell);
         let ground_at = |cell: Cell| maps.local_ground(self.spec.grid, cell, LOCAL_GROUND);
+        let doubt_at = |cell: Cell| maps.doubt(&self.spec, cell);
+        let class_at = |cell: Cell| maps.class(&self.spec, cell);
+        let able = |directive: usize| {
+            let wanted = self.spec.directives[directive].achieves;
+            self.spec.domain.expand(self.facts, wanted).is_some()
+        };
+        let interest = &maps.interest.interest;
         let survey = Survey {
-            sites: &maps.sites,
-            prize: &maps.prize.prize,
-            interest: &maps.interest.interest,
+            inspect: View { sites: &maps.sites, signal: &maps.prize.prize, interest },
+            look_again: maps.promise.as_ref().map(|promise| View {
+                sites: &promise.sites,
+                signal: &promise.gain,
+                interest: &promise.interest,
+            }),
+            adjudicate: maps.disputes.as_ref().map(|sites| View {
+                sites,
+                signal: &maps.interest.contradiction,
+                interest,
+            }),
             ignorance: &maps.interest.ignorance,
             paradox: &maps.interest.paradox,
+            contradiction: &maps.interest.contradiction,
             credit: &credit_at,
+            doubt: &doubt_at,
+            class: &class_at,
+            able: &able,
             ground: &ground_at,
             stand: self.pose.cell,
+            time_s: self.spent.time_s,
             map_changed,
         };
-        let agenda = state.manager.agenda.clone();
         let mut revision = self.manager.revise(&survey);
         watch(Stage::Goals);
 
@@ -312,51 +386,51 @@ impl Autonomy {
         let everywhere = FieldOptions { targets: None, limits: DriveLimits::NONE };
         let reach = field(&maps.ground, self.pose.cell, &everywhere);
         watch(Stage::Reach);
-        let poses = self.poses(maps, &reach);
-        self.manager.give_up_unreachable(&poses, &survey, &mut revision);
-        let spacing_m = self.spec.grid.spacing_m();
-        let shortlist = self.manager.shortlist(&poses, spacing_m);
-        watch(Stage::Poses);
-        let (nodes, nodes_of) = nodes(self.pose.cell, &shortlist, &poses);
-        let weights = Weights::sweep(&maps.ground, self.spec.routes.alternatives - 1);
-        let options = TravelOptions { limits: DriveLimits::NONE, weights: &weights };
-        let travel = self.travel.travel(&maps.ground, &nodes, &options);
-        watch(Stage::Travel);
-        let candidates =
-            self.manager.candidates(&shortlist, &nodes_of, spacing_m, self.spent.time_s);
-        let directives = self.manager.directives().to_vec();
-        let problem = Problem {
-            candidates: &candidates,
-            travel: &travel,
-            ends: &[],
-            domain: &self.spec.domain,
-            directives: &directives,
-            facts: self.facts,
-            limits,
-            waiting_w: 0.0,
-            policy: self.spec.policy,
-            preferences: self.spec.preferences,
+        let standing = Standing { spec: &self.spec, maps, reach: &reach };
+        let mut poses = standing.poses_of(&self.manager);
+        let access = Access {
+            poses: &|target, directive| standing.poses(target, directive),
+            serves: &|pose, target, directive| standing.serves(pose, target, directive),
         };
+        self.manager.keep_in_reach(&mut poses, access, &survey, &mut revision);
+        watch(Stage::Poses);
         let pinned = state.underway.filter(|_| {
             !triggers.iter().any(|t| matches!(t, Trigger::Risk { .. } | Trigger::RouteBlocked(_)))
         });
-        let selection = self.manager.select(&problem, pinned);
-        watch(Stage::Sequences);
-        let committed_value = selection.committed.as_ref().map(|s| s.value);
-        let verdicts = self.manager.commit(
-            revision,
-            &selection,
-            &shortlist,
-            &poses,
-            &problem,
-            spacing_m,
-            map_changed,
-        );
+        let asked = Asked {
+            from: self.pose.cell,
+            facts: self.facts,
+            limits,
+            pinned,
+            spent_s: self.spent.time_s,
+        };
+        let mut weighing = weigh(&standing, &self.manager, &mut self.travel, poses, asked, watch);
+        // A committed goal that no longer fits may do so as a weaker one.
+        let dear = self.manager.too_dear(&weighing.weighed(&self.spec, map_changed));
+        if let Some((goal, weaker, terms)) = dear
+            && let Some(before) = self.manager.erode(goal, weaker, terms, &mut revision)
+        {
+            let mut poses = weighing.poses.clone();
+            poses.insert(goal, standing.poses(before.target, weaker));
+            let again = weigh(&standing, &self.manager, &mut self.travel, poses, asked, watch);
+            if again.deliberation.selection.sequence().goals().any(|id| id == goal) {
+                weighing = again;
+            } else {
+                self.manager.take_back(before, &mut revision);
+            }
+        }
+        let weighed = weighing.weighed(&self.spec, map_changed);
+        let committed_value = weighed.selection.committed.as_ref().map(|s| s.value);
+        let Deliberated { verdicts, mut transitions } = self.manager.commit(revision, weighed);
         watch(Stage::Verdicts);
-        let family = self.family(maps, &selection, &problem, &nodes)?;
-        let chosen = selection.chosen;
+        let weighed = weighing.weighed(&self.spec, map_changed);
+        let family = self.family(maps, weighed.selection, weighed.problem, weighed.nodes)?;
+        let chosen = weighed.selection.chosen;
         let (act, act_cost) = self.act(maps, &reach, &family[chosen], &limits);
-        self.embark(&act, &family[chosen]);
+        if let Act::Pursue(goal) = &act {
+            transitions.extend(self.manager.dispatch(*goal));
+        }
+        self.embark(&act, &family[chosen], maps);
         watch(Stage::Family);
 
         let digests = Digests {
@@ -365,43 +439,40 @@ impl Autonomy {
             masses: maps.masses_digest(),
             fusion: maps.fusion_digest(),
             ground: maps.ground_digest(),
-            travel: travel_digest(&travel, nodes.len()),
+            travel: travel_digest(&weighing.deliberation.travel, weighing.deliberation.nodes.len()),
         };
         watch(Stage::Digests);
         let number = self.decisions;
         self.decisions += 1;
         self.decided_version = self.knowledge.version();
+        self.decided_at_s = self.spent.time_s;
+        let Weighing { shortlist, deliberation, .. } = weighing;
         let decision = Decision {
             number,
             triggers,
             state,
             digests,
             map_changed,
+            map_version: self.decided_version,
             background: maps.prize.background,
             seen: maps.seen,
             sites: maps.sites.clone(),
+            promises: maps.promise.as_ref().map_or_else(Vec::new, |p| p.sites.clone()),
+            disputes: maps.disputes.clone().unwrap_or_default(),
             verdicts,
+            transitions,
             shortlist,
             family,
             chosen,
-            proof: selection.proof,
-            expansions: selection.expansions,
+            proof: deliberation.selection.proof,
+            expansions: deliberation.selection.expansions,
             committed_value,
-            held: selection.held,
+            held: deliberation.selection.held,
             act,
             act_cost,
             manager_after: self.manager.state().clone(),
         };
-        self.deliberation = Some(Deliberation {
-            candidates,
-            travel,
-            nodes,
-            facts: self.facts,
-            limits,
-            agenda: agenda,
-            pinned,
-            selection,
-        });
+        self.deliberation = Some(deliberation);
         Ok(decision)
     }
 
@@ -429,7 +500,13 @@ impl Autonomy {
             (
                 Trigger::InterestChanged { goal: a, .. },
                 Trigger::InterestChanged { goal: b, .. },
-            ) => a == b,
+            )
+            | (Trigger::Conflict { goal: a, .. }, Trigger::Conflict { goal: b, .. })
+            | (Trigger::WindowClosing { goal: a, .. }, Trigger::WindowClosing { goal: b, .. }) => {
+                a == b
+            }
+            (Trigger::Command { number: a }, Trigger::Command { number: b })
+            | (Trigger::Facts { number: a }, Trigger::Facts { number: b }) => a == b,
             (a, b) => a.name() == b.name(),
         };
         if !self.triggers.iter().any(same) {
@@ -458,17 +535,51 @@ impl Autonomy {
         if let Some(underway) = &self.underway {
             self.notice_leg(maps, underway, changed, &mut found);
         }
+        self.notice_time(&mut found);
         found
+    }
+
+    /// Windows that close, and the time since the last decision.
+    fn notice_time(&self, found: &mut Vec<Trigger>) {
+        let Triggers { pace, cadence_s, window_closing_s, watchdog_s, .. } = self.spec.triggers;
+        let (now_s, state) = (self.spent.time_s, self.manager.state());
+        for goal in state.agenda.iter().filter_map(|id| state.goals.get(id)) {
+            let Some(window) = self.spec.directives[goal.directive].window else { continue };
+            let left_s = window.close_s - now_s;
+            let left_then_s = window.close_s - self.decided_at_s;
+            if left_s <= window_closing_s && left_then_s > window_closing_s {
+                found.push(Trigger::WindowClosing { goal: goal.id, left_s });
+            }
+        }
+        let since_s = now_s - self.decided_at_s;
+        if pace != Pace::Event && since_s >= cadence_s {
+            found.push(Trigger::Cadence { since_s });
+        }
+        if since_s >= watchdog_s {
+            found.push(Trigger::Watchdog { since_s });
+        }
     }
 
     fn notice_goals(&self, maps: &Maps, found: &mut Vec<Trigger>) {
         let state = self.manager.state();
         let on_map = |goal: &&Goal| self.working.contains(goal.target);
         for goal in state.agenda.iter().filter_map(|id| state.goals.get(id)).filter(on_map) {
-            let weight = self.manager.directives()[goal.directive].weight;
-            let after = weight * f64::from(maps.prize.prize[goal.target]);
-            if (after - goal.prize).abs() >= self.spec.triggers.interest_change {
+            let directive = &self.manager.directives()[goal.directive];
+            let signal = match directive.kind {
+                Kind::LookAgain => maps.promise.as_ref().map(|promise| &promise.gain),
+                Kind::Adjudicate => Some(&maps.interest.contradiction),
+                Kind::Inspect => Some(&maps.prize.prize),
+            };
+            let after = directive.weight * signal.map_or(0.0, |s| f64::from(s[goal.target]));
+            let changed = (after - goal.prize).abs() >= self.spec.triggers.interest_change;
+            if changed && goal.order.is_none() {
                 found.push(Trigger::InterestChanged { goal: goal.id, before: goal.prize, after });
+            }
+            let (before, after) =
+                (goal.contradiction, f64::from(maps.interest.contradiction[goal.target]));
+            let kappa = self.spec.triggers.conflict;
+            if before < kappa && after >= kappa {
+                found.push(Trigger::Conflict { goal: goal.id, before, after });
             }
         }
         let least = state
@@ -485,12 +596,13 @@ impl Autonomy {
                 || state
                     .retired
                     .iter()
-                    .any(|r| r.closed && r.target.distance(cell) * spacing <= r.radius_m)
+                    .filter(|r| r.closed && r.kind.closes(Kind::Inspect))
+                    .any(|r| r.target.distance(cell) * spacing <= r.radius_m)
         };
         let new = maps.sites.iter().find(|site| {
             site.prominence >= extraction.min_prominence
                 && !known(site.peak)
-                && self.manager.explained_by(site, spacing).is_none()
+                && self.manager.explained_by(site, Kind::Inspect, spacing).is_none()
                 && self
                     .weight_of(maps, site.peak)
                     .is_some_and(|weight| weight * site.prize >= least || least.is_infinite())
@@ -504,7 +616,11 @@ impl Autonomy {
     fn weight_of(&self, maps: &Maps, cell: Cell) -> Option<f64> {
         let interest = f64::from(maps.interest.interest[cell]);
         let shares = credit(&maps.evidence, &self.spec.fusion, cell);
-        let accepting = self.manager.directives().iter().filter(|d| d.accepts(interest, &shares));
+        let accepting = self
+            .manager
+            .directives()
+            .iter()
+            .filter(|d| d.kind == Kind::Inspect && d.accepts(interest, &shares));
         accepting.map(|d| d.weight).max_by(f64::total_cmp)
     }
 
@@ -526,6 +642,7 @@ impl Autonomy {
                 };
                 ahead += cost;
             }
+            self.notice_corridor(maps, underway, at, found);
             let floor = self.spec.budget.min_reliability;
             if ahead.reliability() < floor {
                 found.push(Trigger::Risk { reliability: ahead.reliability(), floor });
@@ -542,6 +659,29 @@ impl Autonomy {
             if share.abs() >= self.spec.triggers.budget_drift {
                 found.push(Trigger::BudgetDrift { share });
             }
+        }
+    }
+
+    /// The largest change of the prize on the way ahead.
+    fn notice_corridor(
+        &self,
+        maps: &Maps,
+        underway: &Underway,
+        at: usize,
+        found: &mut Vec<Trigger>,
+    ) {
+        let ahead = underway.route.cells.iter().zip(&underway.prizes).skip(at);
+        let change = |(cell, before): (&Cell, &f32)| {
+            let after = f64::from(*maps.prize.prize.get(*cell)?);
+            Some((*cell, f64::from(*before), after))
+        };
+        let largest = ahead
+            .filter_map(change)
+            .max_by(|a, b| (a.2 - a.1).abs().total_cmp(&(b.2 - b.1).abs()).then(b.0.cmp(&a.0)));
+        if let Some((cell, before, after)) = largest
+            && (after - before).abs() >= self.spec.triggers.corridor_change
+        {
+            found.push(Trigger::CorridorChanged { cell, before, after });
         }
     }
 
@@ -568,33 +708,16 @@ impl Autonomy {
         })
     }
 
-    fn poses(&self, maps: &Maps, reach: &Field<'_>) -> Poses {
-        let elevation = &maps.layers[crate::ELEVATION];
-        let state = self.manager.state();
-        state
-            .goals
-            .par_iter()
-            .map(|(_, goal)| {
-                let directive = &self.manager.directives()[goal.directive];
-                let approach = Approach {
-                    standoff_m: directive.standoff_m,
-                    eye_height_m: self.spec.approach.eye_height_m,
-                    poses: self.spec.approach.poses,
-                };
-                (goal.id, poses(reach, elevation, goal.target, &approach))
-            })
-            .collect()
-    }
-
     /// The plans of the family, each validated by arithmetic of its own: the best of each set, then what else is on
     /// the fronts of their orders.
     fn family(
         &self,
         maps: &Maps,
         selection: &Selection,
-        problem: &Problem<'_>,
+        problem: Problem<'_>,
         nodes: &[Cell],
     ) -> Result<Vec<PlanOption>, AutonomyError> {
+        let problem = &problem;
         let mut family = Vec::new();
         let mut others = Vec::new();
         for (best, (sequence, found)) in selection.family.iter().zip(&selection.fronts).enumerate()
@@ -661,6 +784,16 @@ impl Autonomy {
                     && route.cost.energy_j + ready.energy_j <= limits.energy_j
             })
         };
+        // First from where it stands, if a second reading of the same ground can teach anything.
+        if self.idle_looks == 0
+            && fallback.max_looks > 0
+            && self.spec.learns_from_repeats()
+            && let Some(ignorance) = self.ignorance_in_range(maps)
+            && let Some(route) = reach.route(self.pose.cell).filter(safe)
+        {
+            let cost = route.cost;
+            return (Act::Look { route, ignorance }, cost);
+        }
         if self.idle_looks < fallback.max_looks
             && let Some((vantage, ignorance)) = self.vantage(maps, reach)
             && let Some(route) = reach.route(vantage).filter(safe)
@@ -675,7 +808,26 @@ impl Autonomy {
             let cost = route.cost;
             return (Act::Home { route }, cost);
         }
-        (Act::Wait { wake: "a new command, or a budget for another day" }, CostVector::ZERO)
+        (Act::Wait { wake: self.wake() }, CostVector::ZERO)
+    }
+
+    /// What ends a wait: the first window of a goal that is still to open, else word from outside.
+    fn wake(&self) -> Wake {
+        let goals = self.manager.state().goals.values();
+        let opens = goals.filter_map(|g| self.spec.directives[g.directive].window);
+        let later = opens.map(|window| window.open_s).filter(|&open_s| open_s > self.spent.time_s);
+        later.min_by(f64::total_cmp).map_or(Wake::Word, Wake::Time)
+    }
+
+    /// Ignorance in range of where the rover stands, in cells' worth, if it is worth a look.
+    fn ignorance_in_range(&self, maps: &Maps) -> Option<f64> {
+        let fallback = &self.spec.fallback;
+        let radius = (fallback.look_range_m / self.spec.grid.spacing_m()) as usize;
+        let plane = &maps.interest.ignorance;
+        let window = plane.spec().around(self.pose.cell, radius);
+        let ignorance = window.cells().fold(0.0, |sum, cell| sum + f64::from(plane[cell]));
+        let mean = ignorance / (window.rows * window.cols) as f64;
+        (mean >= fallback.min_ignorance).then_some(ignorance)
     }
 
     /// The reachable cell from which the most ignorance lies in range, times the chance of getting there.
@@ -713,12 +865,18 @@ impl Autonomy {
     }
 
     /// Remembers the leg that is about to be driven.
-    fn embark(&mut self, act: &Act, chosen: &PlanOption) {
+    fn embark(&mut self, act: &Act, chosen: &PlanOption, maps: &Maps) {
+        let corridor = self.spec.triggers.corridor_change.is_finite();
         self.underway = match (act, chosen.plan.legs.first()) {
             (Act::Pursue(goal), Some(leg)) => Some(Underway {
                 goal: *goal,
                 route: leg.route.clone(),
                 energy_at_start_j: self.spent.energy_j,
+                prizes: if corridor {
+                    leg.route.cells.iter().map(|cell| maps.prize.prize[*cell]).collect()
+                } else {
+                    Vec::new()
+                },
             }),
             _ => None,
         };
@@ -728,27 +886,6 @@ impl Autonomy {
             _ => self.idle_looks,
         };
     }
-}
-
-/// The matrix nodes: where the rover stands, then the poses of the shortlisted goals.
-fn nodes(
-    start: Cell,
-    shortlist: &Shortlist,
-    poses: &Poses,
-) -> (Vec<Cell>, BTreeMap<GoalId, Vec<usize>>) {
-    let mut nodes = vec![start];
-    let mut of = BTreeMap::new();
-    for goal in &shortlist.kept {
-        let mine: Vec<usize> = poses[goal]
-            .iter()
-            .map(|(pose, _)| {
-                nodes.push(*pose);
-                nodes.len() - 1
-            })
-            .collect();
-        of.insert(*goal, mine);
-    }
-    (nodes, of)
 }
 
 /// The legs of a sequence; none if one of them is not in the matrix.

@@ -2,7 +2,9 @@
 
 use std::fmt;
 
-use wisdom_goals::{FactSet, GoalId, GoalSequence, ManagerState, Proof, Shortlist, Site, Verdict};
+use wisdom_goals::{
+    FactSet, GoalId, GoalSequence, ManagerState, Proof, Shortlist, Site, Transition, Verdict,
+};
 use wisdom_grid::Cell;
 use wisdom_planner::{CostVector, Plan, Route};
 
@@ -62,6 +64,51 @@ pub enum Trigger {
         /// The floor.
         floor: f64,
     },
+    /// The prize changed on the way ahead.
+    CorridorChanged {
+        /// Where it changed most.
+        cell: Cell,
+        /// Prize at the last decision.
+        before: f64,
+        /// Prize now.
+        after: f64,
+    },
+    /// The window of a committed goal closes soon.
+    WindowClosing {
+        /// The goal.
+        goal: GoalId,
+        /// Time left, seconds.
+        left_s: f64,
+    },
+    /// The experts contradict each other at the target of a committed goal.
+    Conflict {
+        /// The goal.
+        goal: GoalId,
+        /// Contradiction when it was last weighed.
+        before: f64,
+        /// Contradiction now.
+        after: f64,
+    },
+    /// The ground asked for something.
+    Command {
+        /// Number of the message.
+        number: u32,
+    },
+    /// Facts changed that no operator changed.
+    Facts {
+        /// Number of the message.
+        number: u32,
+    },
+    /// The time between two decisions has passed.
+    Cadence {
+        /// Time since the last one, seconds.
+        since_s: f64,
+    },
+    /// There was no decision for longer than there should be.
+    Watchdog {
+        /// Time since the last one, seconds.
+        since_s: f64,
+    },
     /// Newly seen ground blocks the route under way.
     RouteBlocked(Cell),
     /// A look from a vantage was taken, or home was reached.
@@ -71,6 +118,31 @@ pub enum Trigger {
 }
 
 impl Trigger {
+    /// Whether it calls for a decision at once whatever the pace: a step has ended, the way ahead is not safe, or it is
+    /// time.
+    #[must_use]
+    pub fn is_urgent(&self) -> bool {
+        match self {
+            Self::Start
+            | Self::GoalEnded(_)
+            | Self::LegFailed(_)
+            | Self::Risk { .. }
+            | Self::RouteBlocked(_)
+            | Self::Arrived
+            | Self::Stopped
+            | Self::Cadence { .. }
+            | Self::Watchdog { .. } => true,
+            Self::InterestChanged { .. }
+            | Self::NewCandidate { .. }
+            | Self::BudgetDrift { .. }
+            | Self::CorridorChanged { .. }
+            | Self::WindowClosing { .. }
+            | Self::Conflict { .. }
+            | Self::Command { .. }
+            | Self::Facts { .. } => false,
+        }
+    }
+
     /// The trigger's short name.
     #[must_use]
     pub fn name(&self) -> &'static str {
@@ -82,6 +154,13 @@ impl Trigger {
             Self::NewCandidate { .. } => "new-candidate",
             Self::BudgetDrift { .. } => "budget-drift",
             Self::Risk { .. } => "risk",
+            Self::CorridorChanged { .. } => "corridor-changed",
+            Self::WindowClosing { .. } => "window-closing",
+            Self::Conflict { .. } => "conflict",
+            Self::Command { .. } => "command",
+            Self::Facts { .. } => "facts",
+            Self::Cadence { .. } => "cadence",
+            Self::Watchdog { .. } => "watchdog",
             Self::RouteBlocked(_) => "route-blocked",
             Self::Arrived => "arrived",
             Self::Stopped => "stopped",
@@ -103,6 +182,21 @@ impl fmt::Display for Trigger {
             Self::BudgetDrift { share } => write!(f, "{} ({:+.0} %)", self.name(), share * 100.0),
             Self::Risk { reliability, floor } => {
                 write!(f, "{} ({reliability:.3} < {floor:.3})", self.name())
+            }
+            Self::CorridorChanged { cell, before, after } => {
+                write!(f, "{} ({cell}: {before:.3} -> {after:.3})", self.name())
+            }
+            Self::WindowClosing { goal, left_s } => {
+                write!(f, "{} ({goal}: {left_s:.0} s left)", self.name())
+            }
+            Self::Conflict { goal, before, after } => {
+                write!(f, "{} ({goal}: {before:.3} -> {after:.3})", self.name())
+            }
+            Self::Command { number } | Self::Facts { number } => {
+                write!(f, "{} (message {number})", self.name())
+            }
+            Self::Cadence { since_s } | Self::Watchdog { since_s } => {
+                write!(f, "{} ({since_s:.0} s)", self.name())
             }
             Self::RouteBlocked(cell) => write!(f, "{} {cell}", self.name()),
         }
@@ -130,8 +224,27 @@ pub enum Act {
     /// Wait in a safe state.
     Wait {
         /// What would end the wait.
-        wake: &'static str,
+        wake: Wake,
     },
+}
+
+/// What ends a wait.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub enum Wake {
+    /// Word from outside: a command, or a reading handed in.
+    Word,
+    /// Mission time, seconds: a goal's window opens; or word from outside before that.
+    Time(f64),
+}
+
+impl fmt::Display for Wake {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Word => f.write_str("a new command, or a budget for another day"),
+            Self::Time(time_s) => write!(f, "mission time {time_s:.0} s, when a window opens"),
+        }
+    }
 }
 
 impl Act {
@@ -242,8 +355,16 @@ pub struct Decision {
     pub seen: f64,
     /// Maxima of the prize map.
     pub sites: Vec<Site>,
+    /// Maxima of the promise map, if a directive asks for them.
+    pub promises: Vec<Site>,
+    /// Maxima of the contradiction map, likewise.
+    pub disputes: Vec<Site>,
     /// What was said of every known goal.
     pub verdicts: Vec<Verdict>,
+    /// Every step in a goal's life that was taken.
+    pub transitions: Vec<Transition>,
+    /// How often the map had changed when it was made.
+    pub map_version: u64,
     /// Which goals were sequenced exactly.
     pub shortlist: Shortlist,
     /// The family of plans: the best of each set of goals, best first, then the others of their fronts.

@@ -32,17 +32,29 @@ impl Deliberation {
     /// The problem as the search met it; `spec` is the core's.
     #[must_use]
     pub fn problem<'a>(&'a self, spec: &'a Spec) -> Problem<'a> {
-        Problem {
-            candidates: &self.candidates,
-            travel: &self.travel,
-            ends: &[],
-            domain: &spec.domain,
-            directives: &spec.directives,
-            facts: self.facts,
-            limits: self.limits,
-            waiting_w: 0.0,
-            policy: spec.policy,
-            preferences: spec.preferences,
-        }
+        problem(spec, &self.candidates, &self.travel, self.facts, self.limits)
+    }
+}
+
+/// What the search is asked.
+pub(crate) fn problem<'a>(
+    spec: &'a Spec,
+    candidates: &'a [Candidate],
+    travel: &'a TravelMatrix,
+    facts: FactSet,
+    limits: Limits,
+) -> Problem<'a> {
+    Problem {
+        candidates,
+        travel,
+        ends: &[],
+        domain: &spec.domain,
+        directives: &spec.directives,
+        facts,
+        limits,
+        // A rover that waits keeps everything on but its drives.
+        waiting_w: spec.vehicle.hotel_power_w,
+        policy: spec.policy,
+        preferences: spec.preferences,
     }
 }

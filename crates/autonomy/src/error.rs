@@ -81,6 +81,22 @@ pub enum AutonomyError {
         /// The decision the outcome names.
         found: u32,
     },
+    /// Messages must come in order.
+    #[error("message {found} came where {expected} was due")]
+    MessageOrder {
+        /// Number due.
+        expected: u32,
+        /// Number found.
+        found: u32,
+    },
+    /// A message names something that there is not, or asks for what cannot be.
+    #[error("message {number}: {why}")]
+    Message {
+        /// Number of the message.
+        number: u32,
+        /// What is wrong with it.
+        why: String,
+    },
     /// An outcome names an operator that the domain does not have, or one whose preconditions do not hold.
     #[error("operator `{operator}` cannot have been carried out: {why}")]
     Operator {

@@ -9,18 +9,19 @@ mod maps;
 mod observation;
 mod spec;
 mod stage;
+mod weighing;
 
 pub use autonomy::Autonomy;
 pub use decision::{
-    Act, Decision, Digest, Digests, FrontOf, Objectives, PlanOption, RoverState, Trigger,
+    Act, Decision, Digest, Digests, FrontOf, Objectives, PlanOption, RoverState, Trigger, Wake,
 };
 pub use deliberation::Deliberation;
 pub use error::AutonomyError;
 pub use knowledge::Knowledge;
-pub use maps::Maps;
-pub use observation::{LayerWindow, Observation, Outcome, Pose, Spent, StepResult};
+pub use maps::{Maps, Promise};
+pub use observation::{LayerWindow, Message, Observation, Outcome, Pose, Spent, StepResult, Word};
 pub use spec::{
     ApproachSpec, Budget, Derivation, ELEVATION, Fallback, LayerSpec, MIN_WORKING_CELLS, MapUpdate,
-    RouteSpec, Source, Spec, Triggers,
+    Pace, RouteSpec, Source, Spec, Triggers,
 };
 pub use stage::{Stage, Watch};

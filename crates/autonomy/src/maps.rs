@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use rayon::prelude::*;
 use wisdom_fusion::{Evidence, InterestMap, interest_map, judge};
-use wisdom_goals::{Extraction, MergeTree, PrizeMap, Site, prize_map};
+use wisdom_goals::{Extraction, Kind, MergeTree, PrizeMap, PrizeScale, Site, prize_map, sites};
 use wisdom_grid::{Cell, GridSpec, Raster, Window};
 use wisdom_planner::{Ground, Traversability};
 use wisdom_terrain::{Layer, gradient, roughness, slope, step};
@@ -22,14 +22,79 @@ pub struct Maps {
     pub interest: InterestMap,
     /// What each cell is worth.
     pub prize: PrizeMap,
-    /// How the maxima of the interest meet.
+    /// How the maxima of the interest, or of the prize, meet.
     peaks: MergeTree,
     /// Maxima, at half the least prominence (see the goal manager).
     pub sites: Vec<Site>,
+    /// What a close look promises; none if no directive asks.
+    pub promise: Option<Promise>,
+    /// Maxima of the contradiction, likewise; none if no directive asks.
+    pub disputes: Option<Vec<Site>>,
     /// How each cell may be crossed.
     pub ground: Traversability,
     /// Share of the working map of which anything is known.
     pub seen: f64,
+}
+
+/// What a close look could bring: the value of looking, not of being there.
+#[derive(Debug, Clone)]
+pub struct Promise {
+    /// The interest there would be if every reading at hand were as certain as the instruments can make it.
+    pub interest: Raster<f32>,
+    /// The prize of that, less the prize there is; in [0, 1].
+    pub gain: Raster<f32>,
+    /// Maxima of the gain, at half the least prominence.
+    pub sites: Vec<Site>,
+}
+
+/// Which kinds of goals the mission's directives ask for.
+fn asks_for(spec: &Spec, kind: Kind) -> bool {
+    spec.directives.iter().any(|directive| directive.kind == kind)
+}
+
+impl Promise {
+    fn new(interest: Raster<f32>, prize: &PrizeMap, survival: &Extraction) -> Self {
+        let mut gain = interest.map(|&promised| prize.of(promised));
+        for (gain, now) in gain.values_mut().iter_mut().zip(prize.prize.values()) {
+            *gain = (*gain - now).max(0.0);
+        }
+        let sites = sites(&gain, survival);
+        Self { interest, gain, sites }
+    }
+}
+
+/// The layers as they would be if what was read were as certain as a close look makes it. What was not read stays unknown.
+fn sharpened(spec: &Spec, layers: &BTreeMap<String, Layer>) -> BTreeMap<String, Layer> {
+    let limit = |name: &str| {
+        let derived =
+            spec.layers.iter().any(|l| l.name == name && matches!(l.source, Source::Derived(_)));
+        let read = if derived { ELEVATION } else { name };
+        spec.close_look.get(read).copied().unwrap_or(0.0)
+    };
+    let sharper = |(name, layer): (&String, &Layer)| {
+        let mut sharp = layer.clone();
+        let least = limit(name);
+        for cell in layer.spec().cells() {
+            let u = layer.u(cell);
+            if u < 1.0 && u > least {
+                sharp.set(cell, layer.value(cell), least);
+            }
+        }
+        (name.clone(), sharp)
+    };
+    layers.iter().map(sharper).collect()
+}
+
+/// The interest that certain readings would give, if a directive asks for it.
+fn promised(
+    spec: &Spec,
+    layers: &BTreeMap<String, Layer>,
+) -> Result<Option<Raster<f32>>, AutonomyError> {
+    if !asks_for(spec, Kind::LookAgain) {
+        return Ok(None);
+    }
+    let evidence = judge(&spec.experts, &sharpened(spec, layers))?;
+    Ok(Some(interest_map(&evidence, &spec.fusion).interest))
 }
 
 impl Maps {
@@ -48,13 +113,26 @@ impl Maps {
         let interest = interest_map(&evidence, &spec.fusion);
         watch(Stage::Fusion);
         let prize = prize_map(&interest.interest, &interest.ignorance, spec.prize);
-        let peaks = MergeTree::new(&interest.interest);
+        let peaks = MergeTree::new(raised(spec, &interest, &prize));
         let sites = peaks.sites(&prize.prize, survival);
+        let promise = promised(spec, &layers)?.map(|p| Promise::new(p, &prize, survival));
+        let disputes = disputes(spec, &interest, survival);
         watch(Stage::Sites);
         let ground = ground(spec, &layers)?;
         watch(Stage::Traversability);
         let seen = seen(&interest);
-        Ok(Self { layers, evidence, interest, prize, peaks, sites, ground, seen })
+        Ok(Self {
+            layers,
+            evidence,
+            interest,
+            prize,
+            peaks,
+            sites,
+            promise,
+            disputes,
+            ground,
+            seen,
+        })
     }
 
     /// The maps after readings inside a window changed, bit for bit those that [`Maps::new`] would derive: what hangs
@@ -74,7 +152,9 @@ impl Maps {
         if 2 * around.rows * around.cols > working.rows * working.cols {
             return Self::new(spec, knowledge, working, survival, watch);
         }
-        let Self { layers: mut known, mut interest, mut peaks, ground: old_ground, .. } = self;
+        let Self {
+            layers: mut known, mut interest, mut peaks, ground: old_ground, promise, ..
+        } = self;
         let part = layers(spec, knowledge, around)?;
         for (name, layer) in &mut known {
             let part = &part[name];
@@ -93,13 +173,33 @@ impl Maps {
         paste(&mut interest.contradiction, &fused.contradiction, touched);
         watch(Stage::Fusion);
         let prize = prize_map(&interest.interest, &interest.ignorance, spec.prize);
-        peaks.update(&interest.interest);
+        peaks.update(raised(spec, &interest, &prize));
         let sites = peaks.sites(&prize.prize, survival);
+        let promise = match (promise, promised(spec, &part)?) {
+            (Some(Promise { interest: mut whole, .. }), Some(part)) => {
+                paste(&mut whole, &part, touched);
+                Some(Promise::new(whole, &prize, survival))
+            }
+            _ => None,
+        };
+        let disputes = disputes(spec, &interest, survival);
         watch(Stage::Sites);
         let ground = ground_revised(spec, &old_ground, &ground(spec, &part)?, &known, touched)?;
         watch(Stage::Traversability);
         let seen = seen(&interest);
-        Ok(Self { layers: known, evidence, interest, prize, peaks, sites, ground, seen })
+        let layers = known;
+        Ok(Self {
+            layers,
+            evidence,
+            interest,
+            prize,
+            peaks,
+            sites,
+            promise,
+            disputes,
+            ground,
+            seen,
+        })
     }
 
     /// Digest of the measured layers.
@@ -165,6 +265,18 @@ impl Maps {
         digest.finish()
     }
 
+    /// Sum of the uncertainties of what the experts read in a cell.
+    pub(crate) fn doubt(&self, spec: &Spec, cell: Cell) -> f64 {
+        spec.experts.iter().map(|expert| f64::from(self.layers[&expert.layer].u(cell))).sum()
+    }
+
+    /// The class of the ground in a cell and its uncertainty, by the layer that types of objects go by.
+    pub(crate) fn class(&self, spec: &Spec, cell: Cell) -> Option<(u16, f64)> {
+        let layer = self.layers.get(spec.class_layer.as_ref()?)?;
+        let u = f64::from(layer.u(cell));
+        (u < 1.0).then(|| (layer.value(cell) as u16, u))
+    }
+
     /// Digest of what is blocked within `radius` cells of a cell: the ground of a place given up.
     /// None if a part of it lies on the grid but beyond the working map.
     pub(crate) fn local_ground(&self, grid: GridSpec, cell: Cell, radius: usize) -> Option<u64> {
@@ -179,6 +291,11 @@ impl Maps {
         let first = digest.finish().0[..8].try_into().expect("a digest has 32 bytes");
         Some(u64::from_le_bytes(first))
     }
+}
+
+/// Maxima of the contradiction, if a directive asks for them.
+fn disputes(spec: &Spec, interest: &InterestMap, survival: &Extraction) -> Option<Vec<Site>> {
+    asks_for(spec, Kind::Adjudicate).then(|| sites(&interest.contradiction, survival))
 }
 
 /// The measured layers of a window, and those derived from them.
@@ -232,6 +349,16 @@ fn ground_revised(
     paste(&mut ground.hazard_per_m, new.hazard(), window);
     let classes = spec.slip_layer.as_ref().map(|name| &layers[name]);
     Ok(Traversability::from_ground_on_classes(&spec.vehicle, ground, classes)?)
+}
+
+/// The plane whose maxima are those of the prize: the interest, where the prize only rescales it, for that changes only
+/// where something was read.
+fn raised<'a>(spec: &Spec, interest: &'a InterestMap, prize: &'a PrizeMap) -> &'a Raster<f32> {
+    match spec.prize {
+        PrizeScale::Belief | PrizeScale::Contrast => &interest.interest,
+        // These may take different interests for equal.
+        _ => &prize.prize,
+    }
 }
 
 /// Share of the cells of which anything is known.

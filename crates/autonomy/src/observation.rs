@@ -51,6 +51,46 @@ pub struct Observation {
     pub windows: Vec<LayerWindow>,
 }
 
+/// Word that reaches the core: from the ground, or from the rover's own health watch.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Message {
+    /// Number of the message, from 0.
+    pub number: u32,
+    /// What it says.
+    pub word: Word,
+}
+
+/// What a message says.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub enum Word {
+    /// The ground wants something done at a place.
+    Pursue {
+        /// The command's name, by which it can be taken back.
+        name: String,
+        /// The directive to follow, by name.
+        directive: String,
+        /// The place.
+        target: Cell,
+        /// What it is worth, in the place of the map's prize.
+        prize: f64,
+        /// Whether a sequence with it is better than any without.
+        mandatory: bool,
+    },
+    /// The ground takes a command back.
+    Withdraw {
+        /// The command's name.
+        name: String,
+    },
+    /// Facts changed that no operator changed: something broke, or works again.
+    Facts {
+        /// Facts that hold now.
+        adds: Vec<String>,
+        /// Facts that hold no longer.
+        deletes: Vec<String>,
+    },
+}
+
 /// How the step that a decision asked for ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]

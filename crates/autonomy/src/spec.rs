@@ -1,5 +1,7 @@
 //! Everything the core is told once: experts, rule, limits, budgets, policy.
 
+use std::collections::BTreeMap;
+
 use wisdom_fusion::{Expert, Fusion};
 use wisdom_goals::{Directive, Domain, ManagerSpec, Policy, Preferences, PrizeScale};
 use wisdom_grid::{Cell, GridSpec, Window};
@@ -70,18 +72,68 @@ pub struct Budget {
     pub min_reliability: f64,
 }
 
+/// When decisions are taken.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
+#[non_exhaustive]
+pub enum Pace {
+    /// Whenever something calls for one.
+    #[default]
+    Event,
+    /// At even intervals, and where a step ends or the leg under way is no longer safe.
+    Cadence,
+    /// Both.
+    Hybrid,
+}
+
+impl Pace {
+    /// Every pace.
+    pub const ALL: [Self; 3] = [Self::Event, Self::Cadence, Self::Hybrid];
+
+    /// The name that a mission file writes.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Event => "event",
+            Self::Cadence => "cadence",
+            Self::Hybrid => "hybrid",
+        }
+    }
+}
+
 /// What calls for a decision.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Triggers {
+    /// When decisions are taken.
+    pub pace: Pace,
+    /// Time between two decisions at a cadence, seconds.
+    pub cadence_s: f64,
     /// Change of the prize at a committed goal since the last decision.
     pub interest_change: f64,
+    /// Change of the prize on the way ahead since the last decision; infinite, the default, asks for none: on real ground
+    /// nearly every look changes the ground ahead.
+    pub corridor_change: f64,
     /// Share of a leg's planned energy by which the actual one may be off.
     pub budget_drift: f64,
+    /// Time before the window of a committed goal closes at which that calls for a decision, seconds.
+    pub window_closing_s: f64,
+    /// Contradiction at the target of a committed goal that calls for a decision when it is passed.
+    pub conflict: f64,
+    /// Time without a decision after which one is taken in any case, seconds.
+    pub watchdog_s: f64,
 }
 
 impl Default for Triggers {
     fn default() -> Self {
-        Self { interest_change: 0.1, budget_drift: 0.25 }
+        Self {
+            pace: Pace::Event,
+            cadence_s: 3600.0,
+            interest_change: 0.1,
+            corridor_change: f64::INFINITY,
+            budget_drift: 0.25,
+            window_closing_s: 900.0,
+            conflict: 0.5,
+            watchdog_s: f64::INFINITY,
+        }
     }
 }
 
@@ -153,6 +205,11 @@ pub struct Spec {
     pub manager: ManagerSpec,
     /// The rover's limits.
     pub vehicle: Vehicle,
+    /// The measured layer of classes that types of objects go by, if any.
+    pub class_layer: Option<String>,
+    /// The uncertainty that the best instrument leaves of each measured layer, from near; 0 where none is named. What
+    /// [`wisdom_goals::Kind::LookAgain`] hopes for.
+    pub close_look: BTreeMap<String, f32>,
     /// The measured layer of terrain classes that the wheels slip by, if any ([`Vehicle::slip_class`]).
     pub slip_layer: Option<String>,
     /// How many ways are weighed.
@@ -175,6 +232,14 @@ impl Spec {
     #[must_use]
     pub fn measures(&self, layer: &str) -> bool {
         self.layers.iter().any(|l| l.name == layer && matches!(l.source, Source::Measured(_)))
+    }
+
+    /// Whether a second reading of the same ground from the same place can change what is known.
+    pub(crate) fn learns_from_repeats(&self) -> bool {
+        let repeats = |layer: &LayerSpec| {
+            matches!(layer.source, Source::Measured(MapUpdate::Weighted | MapUpdate::Latest))
+        };
+        self.layers.iter().any(repeats)
     }
 
     /// The working map when it is laid anew around a cell: a square of [`Spec::working_cells`], cut to lie on the grid,

@@ -45,20 +45,12 @@ fn spec() -> Spec {
     let domain =
         Domain::new(&[operator("drive", &[], 0.0), operator("image", &["imaged"], 60.0)], &[])
             .expect("the bench is sound");
+    let imaged = domain.set(&["imaged".to_owned()]).expect("the bench is sound");
     let directive = Directive {
-        name: "image".into(),
-        experts: vec![],
-        min_credit: 0.0,
         min_interest: 0.2,
-        weight: 1.0,
-        requires: domain.set(&[]).expect("the bench is sound"),
-        achieves: domain.set(&["imaged".to_owned()]).expect("the bench is sound"),
         standoff_m: 1.0,
-        max_attempts: 2,
         exclusion_radius_m: 4.0,
-        substitute: None,
-        mandatory: false,
-        fade: None,
+        ..Directive::new("image", imaged)
     };
     let layer = |name: &str, unit: &str| LayerSpec {
         name: name.into(),
@@ -93,6 +85,8 @@ fn spec() -> Spec {
             home: START,
             return_home: false,
         },
+        class_layer: None,
+        close_look: std::collections::BTreeMap::new(),
         slip_layer: None,
         routes: RouteSpec::default(),
         approach: ApproachSpec { eye_height_m: 2.0, poses: 1 },

@@ -3,12 +3,13 @@
 use proptest::prelude::*;
 use wisdom_autonomy::{
     ApproachSpec, Autonomy, Budget, Derivation, Fallback, LayerSpec, LayerWindow, MapUpdate, Maps,
-    Observation, Pose, RouteSpec, Source, Spec, Spent, Stage, Triggers,
+    Observation, Pose, Promise, RouteSpec, Source, Spec, Spent, Stage, Triggers,
 };
 use wisdom_belief::Opinion;
 use wisdom_fusion::{Band, Expert, Fusion, LookupTable, Rows};
 use wisdom_goals::{
-    Directive, Domain, ManagerSpec, OperatorText, Policy, Preferences, PrizeScale, ServiceCost,
+    Directive, Domain, Kind, ManagerSpec, OperatorText, Policy, Preferences, PrizeScale,
+    ServiceCost,
 };
 use wisdom_grid::{Cell, GridSpec, Window};
 use wisdom_planner::{SlipClass, Vehicle};
@@ -43,21 +44,15 @@ fn spec(footprint_radius_m: f64, update: MapUpdate, working_cells: Option<usize>
     };
     let drive = OperatorText { name: "drive".into(), ..OperatorText::default() };
     let domain = Domain::new(&[drive, image], &[]).expect("two operators");
+    let imaged = domain.set(&["imaged".to_owned()]).expect("a fact of the domain");
     let directive = Directive {
-        name: "image".into(),
-        experts: vec![],
-        min_credit: 0.0,
         min_interest: 0.2,
-        weight: 1.0,
-        requires: domain.set(&[]).expect("no facts"),
-        achieves: domain.set(&["imaged".to_owned()]).expect("a fact of the domain"),
         standoff_m: 3.0,
-        max_attempts: 2,
         exclusion_radius_m: 4.0,
-        substitute: None,
-        mandatory: false,
-        fade: None,
+        ..Directive::new("image", imaged)
     };
+    let look_again = Directive { kind: Kind::LookAgain, ..directive.clone() };
+    let adjudicate = Directive { kind: Kind::Adjudicate, ..directive.clone() };
     let layer =
         |name: &str, unit: &str, source| LayerSpec { name: name.into(), unit: unit.into(), source };
     let derived = |name: &str, unit: &str, from| layer(name, unit, Source::Derived(from));
@@ -83,7 +78,7 @@ fn spec(footprint_radius_m: f64, update: MapUpdate, working_cells: Option<usize>
         policy: Policy::ExpectedInterest,
         preferences: Preferences::default(),
         domain,
-        directives: vec![directive],
+        directives: vec![directive, look_again, adjudicate],
         manager: ManagerSpec::default(),
         vehicle: Vehicle {
             slope_max_deg: 40.0,
@@ -99,6 +94,8 @@ fn spec(footprint_radius_m: f64, update: MapUpdate, working_cells: Option<usize>
             }],
             ..Vehicle::default()
         },
+        class_layer: Some("soil".into()),
+        close_look: [("glow".to_owned(), 0.1)].into_iter().collect(),
         slip_layer: Some("soil".into()),
         routes: RouteSpec::default(),
         budget: Budget {
@@ -177,9 +174,10 @@ proptest! {
         footprint_radius_m in 0.4..3.6_f64,
         update in prop::sample::select(vec![MapUpdate::Best, MapUpdate::Latest, MapUpdate::Weighted]),
         working_cells in prop::option::of(Just(64)),
+        prize in prop::sample::select(PrizeScale::ALL.to_vec()),
         seed in any::<u64>(),
     ) {
-        let spec = spec(footprint_radius_m, update, working_cells);
+        let spec = Spec { prize, ..spec(footprint_radius_m, update, working_cells) };
         let mut looks = vec![look(spec.grid.window(), seed)];
         looks.extend((1..).zip(windows).map(|(n, window)| look(window, seed.wrapping_add(n))));
         let at_once = told(&spec, [looks.concat()]);
@@ -190,6 +188,12 @@ proptest! {
         prop_assert_eq!(&whole.interest, &parts.interest);
         prop_assert_eq!(&whole.prize, &parts.prize);
         prop_assert_eq!(&whole.sites, &parts.sites);
+        let promise = |maps: &Maps| {
+            let Promise { interest, gain, sites } = maps.promise.clone().expect("a directive asks");
+            (interest, gain, sites)
+        };
+        prop_assert_eq!(promise(whole), promise(parts));
+        prop_assert_eq!(&whole.disputes, &parts.disputes);
         prop_assert_eq!(whole.seen.to_bits(), parts.seen.to_bits());
         prop_assert_eq!(whole.ground.blocked(), parts.ground.blocked());
         prop_assert_eq!(whole.ground.severities(), parts.ground.severities());

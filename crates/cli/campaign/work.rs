@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::time::Instant;
 
 use rayon::ThreadPool;
-use wisdom_autonomy::{Decision, Maps, Observation, Outcome};
+use wisdom_autonomy::{Decision, Maps, Message, Observation, Outcome};
 use wisdom_mission::{Case, FaultEvent, RecordError, Recorder, Row, RunStatus, RunSummary};
 
 use super::folder::Folder;
@@ -24,6 +24,10 @@ impl Recorder for Unrecorded {
     }
 
     fn outcome(&mut self, _: &Outcome) -> Result<(), RecordError> {
+        Ok(())
+    }
+
+    fn message(&mut self, _: &Message) -> Result<(), RecordError> {
         Ok(())
     }
 

@@ -10,8 +10,8 @@
 use std::time::Instant;
 
 use wisdom_goals::{
-    Candidate, Directive, Domain, Effort, FactSet, GoalId, Limits, OperatorText, Policy,
-    Preferences, Problem, Proof, ServiceCost, quantised, sequences,
+    Candidate, Directive, Domain, Effort, GoalId, Limits, OperatorText, Policy, Preferences,
+    Problem, Proof, ServiceCost, quantised, sequences,
 };
 use wisdom_grid::Cell;
 use wisdom_planner::{CostVector, TravelMatrix};
@@ -57,20 +57,8 @@ fn domain() -> (Domain, Vec<Directive>) {
         &names(&["stowed"]),
     )
     .expect("the operators fit each other");
-    let directive = |name: &str| Directive {
-        name: name.into(),
-        experts: Vec::new(),
-        min_credit: 0.0,
-        min_interest: 0.0,
-        weight: 1.0,
-        requires: FactSet::EMPTY,
-        achieves: domain.set(&names(&[name])).expect("the domain has this fact"),
-        standoff_m: 0.0,
-        max_attempts: 2,
-        exclusion_radius_m: 0.0,
-        substitute: None,
-        mandatory: false,
-        fade: None,
+    let directive = |name: &str| {
+        Directive::new(name, domain.set(&names(&[name])).expect("the domain has this fact"))
     };
     let directives = vec![directive("analysed"), directive("imaged")];
     (domain, directives)

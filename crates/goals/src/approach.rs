@@ -51,6 +51,23 @@ pub fn poses(
     found
 }
 
+/// Whether a pose that was offered once still serves a target: reachable, within the stand-off, and in sight of it.
+#[must_use]
+pub fn serves(
+    field: &Field<'_>,
+    elevation: &Layer,
+    pose: Cell,
+    target: Cell,
+    approach: &Approach,
+) -> bool {
+    let spec = elevation.spec();
+    let on_map = spec.contains(pose) && spec.contains(target);
+    on_map
+        && pose.distance(target) * spec.spacing_m() <= approach.standoff_m
+        && field.neg_ln_r(pose).is_some()
+        && line_of_sight(elevation, pose, approach.eye_height_m, target, 0.0)
+}
+
 /// Cosine of the angle at `target` between two cells; 1 if either is the target itself.
 fn cosine(target: Cell, a: Cell, b: Cell) -> f64 {
     let away = |c: Cell| (c.col as f64 - target.col as f64, c.row as f64 - target.row as f64);

@@ -5,21 +5,24 @@ mod causal;
 mod directive;
 mod front;
 mod goal;
+pub mod lifecycle;
 mod manager;
 mod objective;
 mod prize;
 mod sequence;
 mod site;
 mod strips;
+mod taxonomy;
 
-pub use approach::{Approach, poses};
+pub use approach::{Approach, poses, serves};
 pub use causal::{CausalGraph, PlanError};
-pub use directive::Directive;
+pub use directive::{Directive, Kind, UnknownKind};
 pub use front::{PlanFront, plan_front};
-pub use goal::{Action, Cause, Goal, GoalId, Reason, Status, Term, Verdict};
+pub use goal::{Action, Cause, Change, Goal, GoalId, Order, Reason, Term, Transformation, Verdict};
+pub use lifecycle::{Life, Outcome, Status, Transition};
 pub use manager::{
-    Event, GoalManager, ManagerSpec, ManagerState, Poses, Retired, Revision, Selection, Shortlist,
-    Survey, Tries,
+    Access, Command, Deliberated, Event, GoalManager, ManagerSpec, ManagerState, Poses, Retired,
+    Revision, Selection, Shortlist, Survey, Tries, View, Weighed, Wish,
 };
 pub use objective::{Gains, Objective, Policy, Preferences, Prices, Served, UnknownPolicy};
 pub use prize::{PrizeMap, PrizeScale, UnknownPrize, prize_map, quantised};
@@ -31,3 +34,4 @@ pub use site::{Extraction, MergeTree, Site, sites};
 pub use strips::{
     DRIVE, Domain, DomainError, Expansion, FactSet, MAX_FACTS, Operator, OperatorText, ServiceCost,
 };
+pub use taxonomy::{Taxonomy, TaxonomyError};

@@ -17,11 +17,16 @@ pub enum PrizeScale {
     /// On real ground half of the map lies above 0.95 and interest itself cannot choose.
     #[default]
     Contrast,
+    /// `−ln(1 − interest)`, which adds up over independent experts, as a share of what it is where 1 − interest is 2⁻²⁰:
+    /// it still tells places apart that all look certain.
+    WeightOfEvidence,
+    /// The share of the ground seen that is less interesting, half of what is equally so counted with it.
+    Rank,
 }
 
 impl PrizeScale {
     /// Every scale, in the order of the documentation.
-    pub const ALL: [Self; 2] = [Self::Belief, Self::Contrast];
+    pub const ALL: [Self; 4] = [Self::Belief, Self::Contrast, Self::WeightOfEvidence, Self::Rank];
 }
 
 impl fmt::Display for PrizeScale {
@@ -29,13 +34,15 @@ impl fmt::Display for PrizeScale {
         f.write_str(match self {
             Self::Belief => "belief",
             Self::Contrast => "contrast",
+            Self::WeightOfEvidence => "weight-of-evidence",
+            Self::Rank => "rank",
         })
     }
 }
 
 /// A name that is no prize scale.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("`{0}` is not a prize; expected `belief` or `contrast`")]
+#[error("`{0}` is not a prize; expected `belief`, `contrast`, `weight-of-evidence` or `rank`")]
 pub struct UnknownPrize(pub String);
 
 impl FromStr for PrizeScale {
@@ -49,13 +56,41 @@ impl FromStr for PrizeScale {
     }
 }
 
-/// The prize of every cell, and the background it is measured against.
+/// The prize of every cell, and what it is measured against.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PrizeMap {
     /// Prize of each cell in [0, 1]; 0 where nothing was seen.
     pub prize: Raster<f32>,
     /// The median interest over seen ground (logged; used by [`PrizeScale::Contrast`]).
     pub background: f64,
+    scale: PrizeScale,
+    /// Interest of all ground seen, ascending; for [`PrizeScale::Rank`] only.
+    seen: Vec<f32>,
+}
+
+impl PrizeMap {
+    /// What this interest is worth where the ground is as on this map.
+    #[must_use]
+    pub fn of(&self, interest: f32) -> f32 {
+        /// 1 − interest below this counts as this: the step of an `f32` near 1 is not far below.
+        const DOUBT: f64 = 1.0 / 1_048_576.0;
+        let (b, background) = (f64::from(interest), self.background);
+        match self.scale {
+            PrizeScale::Belief => interest,
+            PrizeScale::Contrast if background >= 1.0 => 0.0,
+            PrizeScale::Contrast => ((b - background) / (1.0 - background)).max(0.0) as f32,
+            PrizeScale::WeightOfEvidence => {
+                (libm::log((1.0 - b).max(DOUBT)) / libm::log(DOUBT)).max(0.0) as f32
+            }
+            // Without evidence for it, no place has a rank.
+            PrizeScale::Rank if interest <= 0.0 || self.seen.is_empty() => 0.0,
+            PrizeScale::Rank => {
+                let below = self.seen.partition_point(|other| *other < interest);
+                let up_to = self.seen.partition_point(|other| *other <= interest);
+                ((below + up_to) as f64 / (2 * self.seen.len()) as f64) as f32
+            }
+        }
+    }
 }
 
 /// Turns interest into prizes. Ground is seen where its ignorance is below one.
@@ -74,14 +109,16 @@ pub fn prize_map(interest: &Raster<f32>, ignorance: &Raster<f32>, scale: PrizeSc
         let middle = seen.len() / 2;
         f64::from(*seen.select_nth_unstable_by(middle, f32::total_cmp).1)
     };
-    let prize = match scale {
-        PrizeScale::Belief => interest.clone(),
-        PrizeScale::Contrast if background >= 1.0 => interest.map(|_| 0.0),
-        PrizeScale::Contrast => {
-            interest.map(|&b| ((f64::from(b) - background) / (1.0 - background)).max(0.0) as f32)
-        }
-    };
-    PrizeMap { prize, background }
+    if scale == PrizeScale::Rank {
+        seen.sort_unstable_by(f32::total_cmp);
+    } else {
+        seen = Vec::new();
+    }
+    let mut map = PrizeMap { prize: interest.clone(), background, scale, seen };
+    if scale != PrizeScale::Belief {
+        map.prize = interest.map(|&b| map.of(b));
+    }
+    map
 }
 
 /// A prize on the ladder of 2⁻³²: sums of such numbers are exact, so that equal sets have equal sums in

@@ -6,9 +6,9 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use proptest::prelude::*;
 use wisdom_goals::{
-    Action, Approach, Cause, Directive, Domain, Event, Extraction, FactSet, GoalId, GoalManager,
-    Limits, ManagerSpec, Policy, Preferences, Problem, Reason, Selection, Status, Survey, Verdict,
-    poses, sites,
+    Access, Action, Approach, Cause, Deliberated, Directive, Domain, Event, Extraction, FactSet,
+    GoalId, GoalManager, Limits, ManagerSpec, Policy, Preferences, Problem, Reason, Selection,
+    Status, Survey, Verdict, View, Weighed, poses, serves, sites,
 };
 use wisdom_grid::{Cell, GridSpec, Raster};
 use wisdom_planner::{FieldOptions, field};
@@ -130,14 +130,19 @@ impl Rig {
         };
         let found = sites(prize, &self.manager.survival());
         let survey = Survey {
-            sites: &found,
-            prize,
-            interest: &interest,
+            inspect: View { sites: &found, signal: prize, interest: &interest },
+            look_again: None,
+            adjudicate: None,
             ignorance: &none,
             paradox: &none,
+            contradiction: &none,
             credit: &|_| vec![1.0],
+            doubt: &|_| 0.0,
+            class: &|_| None,
+            able: &|_| true,
             ground: &|cell| Some(digest(cell)),
             stand: self.at,
+            time_s: 0.0,
             map_changed,
         };
         let mut revision = self.manager.revise(&survey);
@@ -148,9 +153,13 @@ impl Rig {
         let elevation = Layer::certain(flat).expect("heights are finite");
         let approach = Approach { standoff_m: 0.0, eye_height_m: 1.0, poses: 1 };
         let ways = self.manager.state().goals.values();
-        let ways: BTreeMap<_, _> =
+        let mut ways: BTreeMap<_, _> =
             ways.map(|g| (g.id, poses(&reach, &elevation, g.target, &approach))).collect();
-        self.manager.give_up_unreachable(&ways, &survey, &mut revision);
+        let access = Access {
+            poses: &|target, _| poses(&reach, &elevation, target, &approach),
+            serves: &|pose, target, _| serves(&reach, &elevation, pose, target, &approach),
+        };
+        self.manager.keep_in_reach(&mut ways, access, &survey, &mut revision);
         let shortlist = self.manager.shortlist(&ways, 1.0);
         let mut cells = vec![self.at];
         let mut nodes = BTreeMap::new();
@@ -174,15 +183,19 @@ impl Rig {
             preferences: Preferences::default(),
         };
         let selection = self.manager.select(&problem, self.pinned);
-        let verdicts = self.manager.commit(
-            revision,
-            &selection,
-            &shortlist,
-            &ways,
-            &problem,
-            1.0,
+        let weighed = Weighed {
+            selection: &selection,
+            shortlist: &shortlist,
+            poses: &ways,
+            problem,
+            nodes: &cells,
+            spacing_m: 1.0,
             map_changed,
-        );
+        };
+        let Deliberated { verdicts, transitions } = self.manager.commit(revision, weighed);
+        for step in &transitions {
+            assert!(step.to.may_follow(step.from), "{step:?}");
+        }
         let told = Told { verdicts, selection };
         self.check(&told, &known, first, map_changed);
         told
@@ -205,9 +218,9 @@ impl Rig {
                 Action::Add | Action::Keep | Action::Modify | Action::Reorder => Status::Committed,
                 Action::Defer => Status::Formulated,
                 Action::Drop => Status::Dropped,
-                Action::Achieve => Status::Achieved,
+                Action::Achieve => Status::Finished,
             };
-            assert_eq!(goal.status, status, "{verdict:?}");
+            assert_eq!(goal.status(), status, "{verdict:?}");
             assert_eq!(verdict.turn, order.iter().position(|id| *id == goal.id), "{verdict:?}");
             assert_eq!(open.contains(&goal.id), status.is_open(), "{verdict:?}");
             assert_eq!(first, verdict.cause == Cause::Start, "{verdict:?}");

@@ -26,6 +26,8 @@ pub mod topic {
     pub const OBSERVATION: &str = "/in/observation";
     /// What came of a step: [`crate::record::Outcome`].
     pub const OUTCOME: &str = "/in/outcome";
+    /// What word reached the core: [`crate::record::Message`].
+    pub const MESSAGE: &str = "/in/message";
     /// What broke in the simulated world: [`crate::record::Fault`].
     pub const FAULT: &str = "/truth/fault";
     /// What was decided: [`crate::record::Decision`].

@@ -36,6 +36,8 @@ pub enum Entry {
     Decision(Box<record::Decision>),
     /// What came of it.
     Outcome(record::Outcome),
+    /// What word reached it.
+    Message(record::Message),
     /// What broke in the world meanwhile, of which the core knows nothing.
     Fault(record::Fault),
 }
@@ -190,7 +192,7 @@ impl LogReader {
     pub fn decisions(&self) -> impl Iterator<Item = &record::Decision> {
         self.entries.iter().filter_map(|entry| match entry {
             Entry::Decision(decision) => Some(&**decision),
-            Entry::Observation(_) | Entry::Outcome(_) | Entry::Fault(_) => None,
+            Entry::Observation(_) | Entry::Outcome(_) | Entry::Message(_) | Entry::Fault(_) => None,
         })
     }
 
@@ -279,6 +281,7 @@ fn is_known(topic: &str) -> bool {
         || [
             topic::OBSERVATION,
             topic::OUTCOME,
+            topic::MESSAGE,
             topic::FAULT,
             topic::DECISION,
             topic::SCENE,
@@ -349,6 +352,7 @@ struct Scan {
     channels: BTreeMap<u16, String>,
     chain: Option<[u8; 32]>,
     observations: u32,
+    messages: u32,
     decisions: u32,
     /// Bytes read.
     byte: u64,
@@ -458,6 +462,12 @@ impl Scan {
                     None => return Err("an outcome before any decision".to_owned()),
                 }
                 Entry::Outcome(outcome)
+            }
+            topic::MESSAGE => {
+                let message = record::Message::decode(data).map_err(failed)?;
+                due("message", message.number, self.messages)?;
+                self.messages += 1;
+                Entry::Message(message)
             }
             topic::FAULT => Entry::Fault(record::Fault::decode(data).map_err(failed)?),
             topic::DECISION => {

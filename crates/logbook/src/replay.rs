@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use wisdom_autonomy::{Autonomy, AutonomyError, Decision, Maps, Observation, Outcome};
+use wisdom_autonomy::{Autonomy, AutonomyError, Decision, Maps, Message, Observation, Outcome};
 use wisdom_goals::{Action, CausalGraph, GoalId};
 use wisdom_grid::Cell;
 use wisdom_mission::{FaultEvent, Mission, MissionError, RecordError, Recorder};
@@ -93,6 +93,10 @@ impl Recorder for LogWriter {
 
     fn outcome(&mut self, outcome: &Outcome) -> Result<(), RecordError> {
         Self::outcome(self, outcome).map_err(|e| RecordError(e.to_string()))
+    }
+
+    fn message(&mut self, message: &Message) -> Result<(), RecordError> {
+        Self::heard(self, message).map_err(|e| RecordError(e.to_string()))
     }
 
     fn fault(&mut self, event: &FaultEvent) -> Result<(), RecordError> {
@@ -190,6 +194,14 @@ pub fn verify(path: &Path, progress: &mut dyn FnMut(u32)) -> Result<Verification
                     return Ok(found);
                 }
             }
+            Entry::Message(logged) => {
+                let message = Message::try_from(logged)?;
+                if let Err(error) = rover.hear(&message) {
+                    let what = format!("message {}", message.number);
+                    found.difference = Some(refused(error, "state", what));
+                    return Ok(found);
+                }
+            }
             Entry::Fault(_) => {}
             Entry::Outcome(logged) => {
                 let outcome = Outcome::try_from(logged)?;
@@ -274,6 +286,7 @@ pub fn derive_at(log: &LogReader, number: u32) -> Result<Option<Past>, ReplayErr
     for entry in &log.entries {
         match entry {
             Entry::Observation(logged) => rover.observe(&Observation::try_from(logged)?)?,
+            Entry::Message(logged) => rover.hear(&Message::try_from(logged)?)?,
             Entry::Fault(_) => {}
             Entry::Outcome(logged) => rover.report(&Outcome::try_from(logged)?)?,
             Entry::Decision(logged) => {

@@ -15,6 +15,8 @@ pub struct Setting {
     pub operators: Vec<String>,
     /// Names of the directives.
     pub directives: Vec<String>,
+    /// What each directive looks for.
+    pub kinds: Vec<String>,
 }
 
 impl From<&Spec> for Setting {
@@ -24,6 +26,7 @@ impl From<&Spec> for Setting {
             facts: spec.domain.facts().to_vec(),
             operators: spec.domain.operators().iter().map(|o| o.name.clone()).collect(),
             directives: spec.directives.iter().map(|d| d.name.clone()).collect(),
+            kinds: spec.directives.iter().map(|d| d.kind.to_string()).collect(),
         }
     }
 }
@@ -43,6 +46,10 @@ impl Setting {
 
     pub(crate) fn directive(&self, index: usize) -> String {
         name(&self.directives, index)
+    }
+
+    pub(crate) fn kind(&self, directive: usize) -> String {
+        name(&self.kinds, directive)
     }
 }
 

@@ -15,7 +15,7 @@ use foxglove::messages::log;
 use mcap::records::{MessageHeader, Metadata};
 use mcap::write::NoSeek;
 use mcap::{Attachment, Compression, McapError, WriteOptions};
-use wisdom_autonomy::{Decision, Observation, Outcome, Pose, Spent};
+use wisdom_autonomy::{Decision, Message, Observation, Outcome, Pose, Spent};
 use wisdom_goals::Action;
 use wisdom_grid::{Cell, Raster};
 
@@ -198,6 +198,16 @@ impl<S: Store> LogWriter<S> {
         self.track.extend(&outcome.track);
         self.track.dedup();
         self.pose(outcome.decision, outcome.pose)
+    }
+
+    /// Logs word that reached the core. It is safe on disk once the next decision is.
+    ///
+    /// # Errors
+    /// [`LogError::Io`] if it cannot be written.
+    pub fn heard(&mut self, message: &Message) -> Result<(), LogError> {
+        let record = record::Message::from(message);
+        self.record(topic::MESSAGE, message.number, Spent::default(), &record)?;
+        self.message(Level::Info, &record.text())
     }
 
     /// Logs something that broke in the world, at its own time or, if the log is past that, now.

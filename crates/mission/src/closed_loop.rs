@@ -3,14 +3,15 @@
 use std::collections::BTreeMap;
 
 use wisdom_autonomy::{
-    Act, Autonomy, AutonomyError, Decision, Observation, Outcome, Pose, Spent, StepResult,
+    Act, Autonomy, AutonomyError, Decision, Message, Observation, Outcome, Pose, Spent, StepResult,
+    Wake, Word,
 };
 use wisdom_goals::{Action, Cause, GoalId};
 use wisdom_grid::{Cell, Window};
 use wisdom_planner::Route;
 use wisdom_terrain::TerrainError;
 
-use crate::fault::Faults;
+use crate::fault::{FaultKind, Faults};
 use crate::statistics::{Forecast, brier};
 use crate::{FaultEvent, Mission, RecordError, Recorder, Ruler, Step};
 
@@ -203,6 +204,8 @@ pub fn run(
         looks: 0,
         last_look: None,
         operators: 0,
+        expected: mission.world.execution().commands.clone(),
+        messages: 0,
         entries: BTreeMap::new(),
         going_on: true,
         summary: RunSummary {
@@ -248,6 +251,10 @@ struct Simulation<'a> {
     looks: u32,
     last_look: Option<Cell>,
     operators: u32,
+    /// Messages to come, by mission time.
+    expected: Vec<(f64, Word)>,
+    /// Messages passed on.
+    messages: u32,
     /// How often each cell was entered.
     entries: BTreeMap<Cell, u32>,
     going_on: bool,
@@ -270,6 +277,12 @@ impl Simulation<'_> {
                 break RunStatus::Stopped;
             }
             let outcome = match &decision.act {
+                Act::Wait { wake } => {
+                    if self.sleep(*wake)? {
+                        continue;
+                    }
+                    break RunStatus::Waiting;
+                }
                 Act::Pursue(goal) => self.pursue(&decision, *goal)?,
                 Act::Look { route, .. } | Act::Home { route } => {
                     match self.reposition(&decision, route)? {
@@ -386,12 +399,52 @@ impl Simulation<'_> {
         Ok(())
     }
 
-    /// Lets the faults strike that are due.
+    /// Lets the faults strike that are due, and passes on the messages that have come.
     fn strike(&mut self) -> Result<(), RunError> {
         while let Some(event) = self.faults.strike(self.spent.time_s) {
             self.recorder.fault(&event)?;
+            if let FaultKind::FactsLost { facts } = event.kind {
+                let lost = Word::Facts { adds: Vec::new(), deletes: facts.clone() };
+                self.expect(event.time_s, lost);
+                if event.until_s.is_finite() {
+                    self.expect(event.until_s, Word::Facts { adds: facts, deletes: Vec::new() });
+                }
+            }
+        }
+        while self.expected.first().is_some_and(|(due_s, _)| *due_s <= self.spent.time_s) {
+            let (_, word) = self.expected.remove(0);
+            let message = Message { number: self.messages, word };
+            self.recorder.message(&message)?;
+            self.rover.hear(&message)?;
+            self.messages += 1;
         }
         Ok(())
+    }
+
+    /// A message to come; of those at one time, in the order they were announced.
+    fn expect(&mut self, due_s: f64, word: Word) {
+        let turn = self.expected.partition_point(|(other, _)| *other <= due_s);
+        self.expected.insert(turn, (due_s, word));
+    }
+
+    /// Sleeps until something wakes the rover, within the time there is. Says whether anything did. Asleep, the rover draws
+    /// nothing from the budget but time.
+    fn sleep(&mut self, wake: Wake) -> Result<bool, RunError> {
+        let window = match wake {
+            Wake::Time(time_s) => Some(time_s),
+            _ => None,
+        };
+        // Of faults only those wake it that it is told of; when others strike nobody knows.
+        let told = self.faults.next_told_s();
+        let word = self.expected.first().map(|(due_s, _)| *due_s);
+        let next = [window, told, word].into_iter().flatten().min_by(f64::total_cmp);
+        let Some(next) = next.filter(|&next| next < self.mission.spec.budget.time_s) else {
+            return Ok(false);
+        };
+        self.spent.time_s = self.spent.time_s.max(next);
+        self.strike()?;
+        self.observe(Vec::new())?;
+        Ok(true)
     }
 
     /// Drives the first leg of the chosen plan and carries out its goal's operators.
@@ -409,6 +462,9 @@ impl Simulation<'_> {
             Drive::Arrived => {
                 self.look()?;
                 // What is seen on arrival may call for a decision before anything is done there.
+                if self.rover.triggers().is_empty() {
+                    self.await_window(decision, goal);
+                }
                 if self.rover.triggers().is_empty() && self.operate_all(&expansion.after, &mut done)
                 {
                     StepResult::Achieved(goal)
@@ -418,6 +474,16 @@ impl Simulation<'_> {
             }
         };
         Ok(self.outcome(decision.number, result, done, route.cost.reliability(), from))
+    }
+
+    /// Waits at a goal's pose until its window opens; all but the drives stay on.
+    fn await_window(&mut self, decision: &Decision, goal: GoalId) {
+        let spec = &self.mission.spec;
+        let Some(goal) = decision.manager_after.goals.get(&goal) else { return };
+        let Some(window) = spec.directives[goal.directive].window else { return };
+        let wait_s = (window.open_s - self.spent.time_s).max(0.0);
+        self.spent.time_s += wait_s;
+        self.spent.energy_j += spec.vehicle.hotel_power_w * wait_s;
     }
 
     /// Drives to a vantage or home. Whatever must be true before driving (a stowed arm) is made true as for a
@@ -435,6 +501,10 @@ impl Simulation<'_> {
         let mut done = Vec::new();
         let result = match self.set_out(&ready.before, route, &mut done)? {
             Drive::Arrived => {
+                if route.cells.len() == 1 {
+                    // It is to look again from where it stands.
+                    self.last_look = None;
+                }
                 self.look()?;
                 StepResult::Arrived
             }

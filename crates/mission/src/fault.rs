@@ -15,7 +15,7 @@ pub struct Fault {
     pub lasts_s: f64,
 }
 
-/// What a fault does while it lasts. The rover is not told: it meets the consequences.
+/// What a fault does while it lasts. The rover is not told, but of lost facts: it meets the consequences.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum FaultKind {
@@ -34,6 +34,11 @@ pub enum FaultKind {
         /// What is added to every height read, metres.
         bias_m: f64,
     },
+    /// Facts cease to hold: a tool broke. This one the rover's health watch notices and tells.
+    FactsLost {
+        /// The facts, by name.
+        facts: Vec<String>,
+    },
     /// After a drive that a hazard or blocked ground ended, the rover waits for the ground's word.
     CommDelay {
         /// The wait, seconds.
@@ -49,6 +54,7 @@ impl FaultKind {
             Self::InstrumentLost { .. } => "instrument-lost",
             Self::WheelDrag { .. } => "wheel-drag",
             Self::DemBias { .. } => "dem-bias",
+            Self::FactsLost { .. } => "facts-lost",
             Self::CommDelay { .. } => "comm-delay",
         }
     }
@@ -74,6 +80,7 @@ impl std::fmt::Display for FaultEvent {
             FaultKind::InstrumentLost { instrument } => write!(f, ": {instrument}")?,
             FaultKind::WheelDrag { factor } => write!(f, ": x {factor}")?,
             FaultKind::DemBias { bias_m } => write!(f, ": {bias_m:+} m")?,
+            FaultKind::FactsLost { facts } => write!(f, ": {}", facts.join(", "))?,
             FaultKind::CommDelay { delay_s } => write!(f, ": {delay_s} s")?,
         }
         write!(f, ") strikes at {:.0} s", self.time_s)?;
@@ -110,6 +117,12 @@ impl Faults {
         pending.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
         pending.reverse();
         Self { pending, struck: Vec::new() }
+    }
+
+    /// When the next fault strikes that the rover is told of, if any does.
+    pub(crate) fn next_told_s(&self) -> Option<f64> {
+        let told = |event: &&FaultEvent| matches!(event.kind, FaultKind::FactsLost { .. });
+        self.pending.iter().rev().find(told).map(|next| next.time_s)
     }
 
     /// The next fault due by a mission time, if any: it has struck then.

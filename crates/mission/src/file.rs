@@ -46,6 +46,15 @@ pub(crate) struct MissionFile {
     pub triggers: TriggersFile,
     #[serde(default)]
     pub fallback: FallbackFile,
+    /// The layer of classes that types of objects go by.
+    #[serde(default)]
+    pub class_layer: Option<String>,
+    /// Types of objects.
+    #[serde(default, rename = "type")]
+    pub types: Vec<TypeFile>,
+    /// What the ground will ask for.
+    #[serde(default)]
+    pub command: Vec<CommandFile>,
     #[serde(default)]
     pub facts: Vec<String>,
     pub operator: Vec<OperatorFile>,
@@ -246,6 +255,8 @@ pub(crate) struct GoalsFile {
     pub family: usize,
     pub expansions: u64,
     pub max_reopenings: u32,
+    /// Uncertainty from which on a class is only known by its parent type.
+    pub clear_below: f64,
 }
 
 impl Default for GoalsFile {
@@ -261,6 +272,7 @@ impl Default for GoalsFile {
             family: 5,
             expansions: 50_000,
             max_reopenings: 1,
+            clear_below: 0.5,
         }
     }
 }
@@ -282,14 +294,35 @@ impl Default for RoutesFile {
 #[derive(Debug, Clone, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields, default)]
 pub(crate) struct TriggersFile {
+    /// When decisions are taken: event, cadence or hybrid.
+    pub pace: Option<String>,
+    /// Time between decisions at a cadence, seconds.
+    pub cadence_s: f64,
     pub interest_change: f64,
+    /// Change of the prize on the way ahead; without it, none calls for a decision.
+    pub corridor_change: Option<f64>,
     pub budget_drift: f64,
+    /// Time before a window closes, seconds.
+    pub window_closing_s: f64,
+    /// Contradiction at a committed goal.
+    pub conflict: f64,
+    /// Longest time without a decision, seconds; without it, any.
+    pub watchdog_s: Option<f64>,
 }
 
 impl Default for TriggersFile {
     fn default() -> Self {
         let defaults = wisdom_autonomy::Triggers::default();
-        Self { interest_change: defaults.interest_change, budget_drift: defaults.budget_drift }
+        Self {
+            pace: None,
+            cadence_s: defaults.cadence_s,
+            interest_change: defaults.interest_change,
+            corridor_change: None,
+            budget_drift: defaults.budget_drift,
+            window_closing_s: defaults.window_closing_s,
+            conflict: defaults.conflict,
+            watchdog_s: None,
+        }
     }
 }
 
@@ -353,6 +386,18 @@ impl Default for ObjectiveFile {
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub(crate) struct DirectiveFile {
     pub name: String,
+    /// What it looks for: inspect, look-again or adjudicate.
+    pub kind: Option<String>,
+    /// Least value of what its kind reads.
+    #[serde(default)]
+    pub min_signal: f64,
+    /// The type of object it is for.
+    pub object: Option<String>,
+    /// How far away another of its kind may be that takes the place of a target that cannot be reached, metres.
+    #[serde(default)]
+    pub generalise_m: f64,
+    /// Mission times between which work may begin, seconds.
+    pub window_s: Option<[f64; 2]>,
     #[serde(default)]
     pub experts: Vec<String>,
     #[serde(default)]
@@ -372,6 +417,38 @@ pub(crate) struct DirectiveFile {
     #[serde(default)]
     pub mandatory: bool,
     pub fade_s: Option<[f64; 2]>,
+}
+
+/// A type of objects.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+pub(crate) struct TypeFile {
+    pub name: String,
+    /// The type it is a kind of, given before it.
+    pub parent: Option<String>,
+    /// Classes of the ground that are of this type.
+    #[serde(default)]
+    pub classes: Vec<u16>,
+}
+
+/// Something that the ground asks for.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+pub(crate) struct CommandFile {
+    pub name: String,
+    /// When it arrives, mission time in seconds.
+    pub at_s: f64,
+    /// The directive to follow.
+    pub directive: String,
+    /// The place, [row, col].
+    pub target: Vec<usize>,
+    /// What it is worth, in the place of the map's prize.
+    pub prize: f64,
+    /// Whether a sequence with it is better than any without.
+    #[serde(default)]
+    pub mandatory: bool,
+    /// When it is taken back, mission time in seconds; never by default.
+    pub withdraw_at_s: Option<f64>,
 }
 
 fn unit_weight() -> f64 {
@@ -419,10 +496,11 @@ pub(crate) enum FaultName {
     InstrumentLost,
     WheelDrag,
     DemBias,
+    FactsLost,
     CommDelay,
 }
 
-/// What may break: `kind` says which of the last four keys it needs.
+/// What may break: `kind` says which of the last five keys it needs.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub(crate) struct FaultFile {
@@ -438,6 +516,7 @@ pub(crate) struct FaultFile {
     pub factor: Option<f64>,
     pub bias_m: Option<f64>,
     pub delay_s: Option<f64>,
+    pub facts: Option<Vec<String>>,
 }
 
 /// An expert's table.

@@ -5,14 +5,15 @@ use std::path::Path;
 
 use toml_edit::{DocumentMut, Item, Value};
 use wisdom_autonomy::{
-    ApproachSpec, Budget, Derivation, ELEVATION, Fallback, LayerSpec, MapUpdate, RouteSpec, Source,
-    Spec, Triggers,
+    ApproachSpec, Budget, Derivation, ELEVATION, Fallback, LayerSpec, MapUpdate, Pace, RouteSpec,
+    Source, Spec, Triggers, Word,
 };
 use wisdom_belief::{InterestMass, Opinion, ParadoxPolicy, Rule};
 use wisdom_fusion::{Band, Class, Expert, Fusion, FusionError, LookupTable, Rows, Statistic};
 use wisdom_goals::{
-    Directive, Domain, DomainError, Extraction, Fade, MAX_SEQUENCED, ManagerSpec, OperatorText,
-    Policy, Preferences, Prices, PrizeScale, ServiceCost,
+    Directive, Domain, DomainError, Extraction, Fade, Kind, MAX_SEQUENCED, ManagerSpec,
+    OperatorText, Policy, Preferences, Prices, PrizeScale, ServiceCost, Taxonomy, TaxonomyError,
+    UnknownKind, Window as PlanWindow,
 };
 use wisdom_grid::{Cell, GridSpec};
 use wisdom_planner::{PlannerError, Preset, Vehicle};
@@ -320,11 +321,25 @@ impl Reader<'_> {
             self.error(&[key], e)
         })?;
         let domain = self.domain()?;
-        let directives = self.directives(&domain, &experts)?;
-        let manager = self.manager()?;
+        let taxonomy = self.taxonomy()?;
+        let directives = self.directives(&domain, &experts, &taxonomy)?;
+        let manager = ManagerSpec { taxonomy, ..self.manager()? };
         let start = self.start(grid, &truth[ELEVATION])?;
         let vehicle = self.vehicle(files)?;
-        let slip_layer = self.slip_layer(&layers, &truth)?;
+        let slip_layer = self.class_layer(
+            &["rover", "slip-layer"],
+            self.file.rover.slip_layer.as_ref(),
+            &layers,
+            &truth,
+        )?;
+        let class_layer =
+            self.class_layer(&["class-layer"], self.file.class_layer.as_ref(), &layers, &truth)?;
+        if class_layer.is_none() && file.directive.iter().any(|d| d.object.is_some()) {
+            let message =
+                "directives ask for types of objects; expected the layer of their classes";
+            return Err(self.error(&["class-layer"], message));
+        }
+        let instruments = self.instruments(&layers)?;
         vehicle.validate().map_err(|e| match &e {
             PlannerError::Vehicle { field, .. } => self.error(&["rover", "vehicle", field], &e),
             PlannerError::SlipClass { class, .. }
@@ -357,6 +372,8 @@ impl Reader<'_> {
             directives,
             manager,
             vehicle,
+            class_layer,
+            close_look: close_look(&instruments),
             slip_layer,
             routes: RouteSpec {
                 alternatives: self.counted(
@@ -368,20 +385,7 @@ impl Reader<'_> {
                 front: self.counted(&["routes", "front"], file.routes.front, 1, MAX_FRONT)?,
             },
             budget,
-            triggers: Triggers {
-                interest_change: within(
-                    &["triggers", "interest-change"],
-                    file.triggers.interest_change,
-                    0.0,
-                    1.0,
-                )?,
-                budget_drift: within(
-                    &["triggers", "budget-drift"],
-                    file.triggers.budget_drift,
-                    0.0,
-                    f64::INFINITY,
-                )?,
-            },
+            triggers: self.triggers()?,
             fallback: Fallback {
                 max_looks: file.fallback.max_looks,
                 look_range_m: within(
@@ -415,7 +419,7 @@ impl Reader<'_> {
             file.seed,
             std::mem::take(&mut truth),
             &spec.vehicle,
-            self.instruments(&spec.layers)?,
+            instruments,
             self.prior(grid, &spec.layers)?,
             Execution {
                 start,
@@ -469,7 +473,8 @@ impl Reader<'_> {
                     1_000_000,
                 )?,
                 slip_layer: spec.slip_layer.clone(),
-                faults: self.faults()?,
+                faults: self.faults(&spec.domain)?,
+                commands: self.commands(&spec)?,
             },
             file.terrain
                 .body_radius_m
@@ -629,6 +634,7 @@ impl Reader<'_> {
         &self,
         domain: &Domain,
         experts: &[Expert],
+        taxonomy: &Taxonomy,
     ) -> Result<Vec<Directive>, MissionError> {
         let files = &self.file.directive;
         for (i, d) in files.iter().enumerate() {
@@ -681,8 +687,39 @@ impl Reader<'_> {
                 let message = "no sequence of operators brings this about from the initial facts";
                 return Err(error("achieves", message.into()));
             }
+            let object = match &d.object {
+                None => None,
+                Some(name) => Some(taxonomy.index(name).ok_or_else(|| {
+                    let known = taxonomy.names().collect::<Vec<_>>().join(", ");
+                    let known = if known.is_empty() { "none".to_owned() } else { known };
+                    error("object", format!("`{name}` is no type of objects; there are: {known}"))
+                })?),
+            };
+            let kind = match &d.kind {
+                None => Kind::Inspect,
+                Some(name) => {
+                    name.parse().map_err(|e: UnknownKind| error("kind", e.to_string()))?
+                }
+            };
+            let window = match d.window_s {
+                None => None,
+                Some([open_s, close_s])
+                    if (0.0..=close_s).contains(&open_s) && close_s <= LATEST_S =>
+                {
+                    Some(PlanWindow { open_s, close_s })
+                }
+                Some([open_s, close_s]) => {
+                    let wanted = "expected the first and the last second at which work may begin";
+                    return Err(error("window-s", format!("[{open_s}, {close_s}]; {wanted}")));
+                }
+            };
             directives.push(Directive {
                 name: d.name.clone(),
+                kind,
+                min_signal: number("min-signal", d.min_signal, 0.0, 1.0)?,
+                object,
+                generalise_m: number("generalise-m", d.generalise_m, 0.0, FAR_M)?,
+                window,
                 experts,
                 min_credit: number("min-credit", d.min_credit, 0.0, 1.0)?,
                 min_interest: number("min-interest", d.min_interest, 0.0, 1.0)?,
@@ -757,6 +794,8 @@ impl Reader<'_> {
             family: self.counted(&["goals", "family"], goals.family, 1, MAX_FAMILY)?,
             expansions: self.counted(&["goals", "expansions"], goals.expansions, 1, u64::MAX)?,
             max_reopenings: goals.max_reopenings,
+            taxonomy: Taxonomy::default(),
+            clear_below: number("clear-below", goals.clear_below, 0.0, 1.0)?,
         })
     }
 
@@ -850,13 +889,15 @@ impl Reader<'_> {
         table.try_into().map_err(|e| self.error(&["rover", "vehicle"], e))
     }
 
-    /// The layer that slip depends on: measured, and of classes.
-    fn slip_layer(
+    /// A layer that must be measured, and of classes.
+    fn class_layer(
         &self,
+        key: &[&str],
+        name: Option<&String>,
         layers: &[LayerSpec],
         truth: &BTreeMap<String, LayerTruth>,
     ) -> Result<Option<String>, MissionError> {
-        let Some(name) = &self.file.rover.slip_layer else { return Ok(None) };
+        let Some(name) = name else { return Ok(None) };
         let classes = |layer: &&LayerSpec| {
             truth.get(&layer.name).is_some_and(|t| matches!(t.kind, ReadingKind::Class { .. }))
         };
@@ -866,11 +907,105 @@ impl Reader<'_> {
         let known: Vec<&str> = layers.iter().filter(classes).map(|l| l.name.as_str()).collect();
         let known = if known.is_empty() { "none".to_owned() } else { known.join(", ") };
         let message = format!("`{name}` is no measured layer of classes; there are: {known}");
-        Err(self.error(&["rover", "slip-layer"], message))
+        Err(self.error(key, message))
+    }
+
+    /// When decisions are taken, and what calls for one.
+    fn triggers(&self) -> Result<Triggers, MissionError> {
+        let t = &self.file.triggers;
+        let number =
+            |key: &str, value, low, high| self.within(&["triggers", key], value, low, high);
+        let or_never = |key: &str, value: Option<f64>, low| {
+            value.map_or(Ok(f64::INFINITY), |value| number(key, value, low, f64::INFINITY))
+        };
+        let pace = match &t.pace {
+            None => Pace::default(),
+            Some(name) => {
+                Pace::ALL.into_iter().find(|pace| pace.name() == name).ok_or_else(|| {
+                    let known = Pace::ALL.map(Pace::name).join(", ");
+                    self.error(&["triggers", "pace"], format!("`{name}`; expected one of {known}"))
+                })?
+            }
+        };
+        Ok(Triggers {
+            pace,
+            cadence_s: number("cadence-s", t.cadence_s, 1.0, f64::INFINITY)?,
+            interest_change: number("interest-change", t.interest_change, 0.0, 1.0)?,
+            corridor_change: or_never("corridor-change", t.corridor_change, 0.0)?,
+            budget_drift: number("budget-drift", t.budget_drift, 0.0, f64::INFINITY)?,
+            window_closing_s: number("window-closing-s", t.window_closing_s, 0.0, f64::INFINITY)?,
+            conflict: number("conflict", t.conflict, 0.0, 1.0)?,
+            watchdog_s: or_never("watchdog-s", t.watchdog_s, 1.0)?,
+        })
+    }
+
+    /// Types of objects and their classes.
+    fn taxonomy(&self) -> Result<Taxonomy, MissionError> {
+        let mut tree = Taxonomy::default();
+        for (i, of) in self.file.types.iter().enumerate() {
+            tree.add(&of.name, of.parent.as_deref(), &of.classes).map_err(|e| {
+                let key = match &e {
+                    TaxonomyError::Repeated { .. } => "name",
+                    TaxonomyError::Class { .. } => "classes",
+                    _ => "parent",
+                };
+                self.error(&["type", &i.to_string(), key], e)
+            })?;
+        }
+        Ok(tree)
+    }
+
+    /// What the ground will ask for, and take back.
+    fn commands(&self, spec: &Spec) -> Result<Vec<(f64, Word)>, MissionError> {
+        let mut commands = Vec::new();
+        let files = &self.file.command;
+        for (i, file) in files.iter().enumerate() {
+            let index = i.to_string();
+            let error = |key: &str, message: String| self.error(&["command", &index, key], message);
+            let number = |key: &str, value, low, high| {
+                self.within(&["command", &index, key], value, low, high)
+            };
+            if files[..i].iter().any(|earlier| earlier.name == file.name) {
+                return Err(error("name", format!("command `{}` is given twice", file.name)));
+            }
+            let known: Vec<&str> = spec.directives.iter().map(|d| d.name.as_str()).collect();
+            if !known.contains(&file.directive.as_str()) {
+                let known = known.join(", ");
+                let message = format!("`{}` is no directive; there are {known}", file.directive);
+                return Err(error("directive", message));
+            }
+            let [row, col] = file.target[..] else {
+                let found = file.target.len();
+                return Err(error("target", format!("{found} numbers; expected [row, col]")));
+            };
+            let target = Cell { row, col };
+            if !spec.grid.contains(target) {
+                return Err(error("target", format!("{target} is off {}", shown(spec.grid))));
+            }
+            let at_s = number("at-s", file.at_s, 0.0, LATEST_S)?;
+            let name = file.name.clone();
+            commands.push((
+                at_s,
+                Word::Pursue {
+                    name: name.clone(),
+                    directive: file.directive.clone(),
+                    target,
+                    prize: number("prize", file.prize, 1e-6, 1e3)?,
+                    mandatory: file.mandatory,
+                },
+            ));
+            if let Some(withdrawn) = file.withdraw_at_s {
+                let withdrawn = number("withdraw-at-s", withdrawn, at_s, LATEST_S)?;
+                commands.push((withdrawn, Word::Withdraw { name }));
+            }
+        }
+        // Stable: of commands at one time, the one the mission names first comes first.
+        commands.sort_by(|a, b| a.0.total_cmp(&b.0));
+        Ok(commands)
     }
 
     /// What may break.
-    fn faults(&self) -> Result<Vec<Fault>, MissionError> {
+    fn faults(&self, domain: &Domain) -> Result<Vec<Fault>, MissionError> {
         let files = &self.file.fault;
         let mut faults = Vec::new();
         for (i, file) in files.iter().enumerate() {
@@ -898,7 +1033,7 @@ impl Reader<'_> {
             }
             faults.push(Fault {
                 name: file.name.clone(),
-                kind: self.fault_kind(file, &index)?,
+                kind: self.fault_kind(file, &index, domain)?,
                 probability: number("probability", file.probability, 0.0, 1.0)?,
                 between_s: (from_s, to_s),
                 lasts_s: match file.lasts_s {
@@ -910,12 +1045,18 @@ impl Reader<'_> {
         Ok(faults)
     }
 
-    fn fault_kind(&self, file: &FaultFile, index: &str) -> Result<FaultKind, MissionError> {
+    fn fault_kind(
+        &self,
+        file: &FaultFile,
+        index: &str,
+        domain: &Domain,
+    ) -> Result<FaultKind, MissionError> {
         let error = |key: &str, message: String| self.error(&["fault", index, key], message);
         let (kind, own) = match file.kind {
             FaultName::InstrumentLost => ("instrument-lost", "instrument"),
             FaultName::WheelDrag => ("wheel-drag", "factor"),
             FaultName::DemBias => ("dem-bias", "bias-m"),
+            FaultName::FactsLost => ("facts-lost", "facts"),
             FaultName::CommDelay => ("comm-delay", "delay-s"),
         };
         let given = [
@@ -923,6 +1064,7 @@ impl Reader<'_> {
             ("factor", file.factor.is_some()),
             ("bias-m", file.bias_m.is_some()),
             ("delay-s", file.delay_s.is_some()),
+            ("facts", file.facts.is_some()),
         ];
         if let Some((key, _)) = given.into_iter().find(|&(key, given)| given && key != own) {
             return Err(error(key, format!("a {kind} fault has `{own}`, not `{key}`")));
@@ -952,6 +1094,14 @@ impl Reader<'_> {
             }
             FaultName::DemBias => {
                 FaultKind::DemBias { bias_m: number(own, file.bias_m, -1e4, 1e4)? }
+            }
+            FaultName::FactsLost => {
+                let facts = file.facts.clone().unwrap_or_default();
+                if facts.is_empty() {
+                    return Err(error("kind", format!("a {kind} fault needs `{own}`")));
+                }
+                domain.set(&facts).map_err(|e| error("facts", e.to_string()))?;
+                FaultKind::FactsLost { facts }
             }
             FaultName::CommDelay => {
                 FaultKind::CommDelay { delay_s: number(own, file.delay_s, 0.0, LATEST_S)? }
@@ -1012,6 +1162,18 @@ impl Reader<'_> {
             }
         }
     }
+}
+
+/// The uncertainty that the best instrument leaves of each layer, from near.
+fn close_look(instruments: &[Instrument]) -> BTreeMap<String, f32> {
+    let mut least: BTreeMap<String, f32> = BTreeMap::new();
+    for instrument in instruments {
+        for layer in &instrument.layers {
+            let u = least.entry(layer.clone()).or_insert(1.0);
+            *u = u.min(instrument.u0 as f32);
+        }
+    }
+    least
 }
 
 /// The row of a table that an error is about: of two that clash, the later in the file.

@@ -1,6 +1,6 @@
 //! Where a run goes: into a log, or into memory.
 
-use wisdom_autonomy::{Decision, Maps, Observation, Outcome};
+use wisdom_autonomy::{Decision, Maps, Message, Observation, Outcome};
 
 use crate::FaultEvent;
 
@@ -29,6 +29,12 @@ pub trait Recorder {
     /// [`RecordError`] if it cannot be kept; the run ends then.
     fn outcome(&mut self, outcome: &Outcome) -> Result<(), RecordError>;
 
+    /// Word from the ground or the health watch is about to be passed on to the core.
+    ///
+    /// # Errors
+    /// [`RecordError`] if it cannot be kept; the run ends then.
+    fn message(&mut self, message: &Message) -> Result<(), RecordError>;
+
     /// A fault struck. The core is not told.
     ///
     /// # Errors
@@ -45,6 +51,8 @@ pub struct Memory {
     pub decisions: Vec<Decision>,
     /// Every outcome.
     pub outcomes: Vec<Outcome>,
+    /// Every message.
+    pub messages: Vec<Message>,
     /// Every fault that struck.
     pub faults: Vec<FaultEvent>,
 }
@@ -62,6 +70,11 @@ impl Recorder for Memory {
 
     fn outcome(&mut self, outcome: &Outcome) -> Result<(), RecordError> {
         self.outcomes.push(outcome.clone());
+        Ok(())
+    }
+
+    fn message(&mut self, message: &Message) -> Result<(), RecordError> {
+        self.messages.push(message.clone());
         Ok(())
     }
 

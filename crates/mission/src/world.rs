@@ -8,7 +8,7 @@
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-use wisdom_autonomy::{ELEVATION, LayerSpec, LayerWindow, Pose, Source};
+use wisdom_autonomy::{ELEVATION, LayerSpec, LayerWindow, Pose, Source, Word};
 use wisdom_grid::{Cell, GridSpec, Raster, Window};
 use wisdom_planner::{CostVector, PlannerError, Traversability, Vehicle};
 use wisdom_terrain::{
@@ -89,6 +89,8 @@ pub struct Execution {
     pub max_decisions: u32,
     /// The layer of terrain classes that the wheels truly slip by, if any.
     pub slip_layer: Option<String>,
+    /// What the ground will ask for and take back, by mission time in seconds.
+    pub commands: Vec<(f64, Word)>,
     /// What may break.
     pub faults: Vec<Fault>,
 }

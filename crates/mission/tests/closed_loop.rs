@@ -7,7 +7,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 use std::sync::LazyLock;
 
-use wisdom_autonomy::{Act, Decision, Maps, Observation, Outcome, Spent, StepResult};
+use wisdom_autonomy::{Act, Decision, Maps, Message, Observation, Outcome, Spent, StepResult};
 use wisdom_belief::Rule;
 use wisdom_goals::{Action, Cause, FactSet, GoalId, Reason, Status};
 use wisdom_mission::{
@@ -52,6 +52,10 @@ impl Recorder for Story<'_> {
 
     fn outcome(&mut self, outcome: &Outcome) -> Result<(), RecordError> {
         self.outcomes.push(outcome.clone());
+        Ok(())
+    }
+
+    fn message(&mut self, _: &Message) -> Result<(), RecordError> {
         Ok(())
     }
 
@@ -147,10 +151,10 @@ fn check_verdicts(run: &Run) {
                 }
                 Action::Defer => (was.is_none_or(Status::is_open), Status::Formulated),
                 Action::Drop => (was.is_some_and(Status::is_open), Status::Dropped),
-                Action::Achieve => (was == Some(Status::Committed), Status::Achieved),
+                Action::Achieve => (was == Some(Status::Committed), Status::Finished),
             };
             assert!(allowed, "decision {n}: {} of {id}, which was {was:?}", verdict.action);
-            assert_eq!(verdict.goal.status, now, "decision {n}: {} of {id}", verdict.action);
+            assert_eq!(verdict.goal.status(), now, "decision {n}: {} of {id}", verdict.action);
             assert_eq!(verdict.turn.is_some(), now == Status::Committed, "decision {n}: {id}");
             let start = n == 0;
             assert_eq!(verdict.cause == Cause::Start, start, "decision {n}: {id}");
@@ -353,7 +357,7 @@ fn a_rover_that_knows_everything_discovers_nothing() {
             changes += decision.verdicts.len();
         }
         for action in Action::ALL {
-            assert_eq!(run.summary.count_for(action, Cause::Discovery), 0, "{action}");
+            assert_eq!(run.summary.count_for(*action, Cause::Discovery), 0, "{action}");
         }
         assert!(changes > 0 && !run.summary.achieved.is_empty(), "the control does something");
         // Not a matter of labels: with nothing to find, no maximum is new, moves, fades or merges.

@@ -2,7 +2,7 @@
 
 mod small;
 
-use wisdom_autonomy::{Decision, LayerWindow, Maps, Observation, Outcome};
+use wisdom_autonomy::{Decision, LayerWindow, Maps, Message, Observation, Outcome};
 use wisdom_mission::{FaultEvent, FaultKind, Mission, RecordError, Recorder, RunSummary, run};
 
 /// Level ground with a hot disc in a corner: one goal, one drive, many looks.
@@ -41,6 +41,10 @@ impl Recorder for Story {
 
     fn outcome(&mut self, outcome: &Outcome) -> Result<(), RecordError> {
         self.outcomes.push(outcome.clone());
+        Ok(())
+    }
+
+    fn message(&mut self, _: &Message) -> Result<(), RecordError> {
         Ok(())
     }
 

@@ -6,7 +6,7 @@ mod small;
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
-use wisdom_autonomy::{Decision, ELEVATION, Maps, Observation, Outcome};
+use wisdom_autonomy::{Decision, ELEVATION, Maps, Message, Observation, Outcome};
 use wisdom_goals::{Action, Reason};
 use wisdom_grid::{Cell, Window};
 use wisdom_mission::{FaultEvent, Mission, RecordError, Recorder, RunSummary, run};
@@ -49,6 +49,10 @@ impl Recorder for Story {
     }
 
     fn outcome(&mut self, _: &Outcome) -> Result<(), RecordError> {
+        Ok(())
+    }
+
+    fn message(&mut self, _: &Message) -> Result<(), RecordError> {
         Ok(())
     }
 

@@ -261,19 +261,5 @@ impl Posed {
 
 /// Being there is all that is asked for.
 fn visit() -> Directive {
-    Directive {
-        name: "visit".to_owned(),
-        experts: Vec::new(),
-        min_credit: 0.0,
-        min_interest: 0.0,
-        weight: 1.0,
-        requires: FactSet::EMPTY,
-        achieves: FactSet::EMPTY,
-        standoff_m: 0.0,
-        max_attempts: 1,
-        exclusion_radius_m: 0.0,
-        substitute: None,
-        mandatory: false,
-        fade: None,
-    }
+    Directive { max_attempts: 1, ..Directive::new("visit", FactSet::EMPTY) }
 }

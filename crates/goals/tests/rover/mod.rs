@@ -55,19 +55,10 @@ pub(crate) fn domain() -> Domain {
 pub(crate) fn directives(domain: &Domain) -> Vec<Directive> {
     let set = |list: &[&str]| domain.set(&names(list)).expect("the domain has these facts");
     let directive = |name: &str, requires: FactSet, achieves: FactSet| Directive {
-        name: name.into(),
-        experts: Vec::new(),
-        min_credit: 0.0,
         min_interest: 0.1,
-        weight: 1.0,
         requires,
-        achieves,
-        standoff_m: 0.0,
-        max_attempts: 2,
         exclusion_radius_m: 3.0,
-        substitute: None,
-        mandatory: false,
-        fade: None,
+        ..Directive::new(name, achieves)
     };
     vec![
         directive("analyse", FactSet::EMPTY, set(&["analysed"])),

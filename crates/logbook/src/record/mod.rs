@@ -17,7 +17,7 @@ pub use generated::*;
 
 /// What decisions mean. Records of equal versions are made by cores that decide alike; a core whose
 /// decisions differ on purpose raises it.
-pub const DECISION_VERSION: u32 = 4;
+pub const DECISION_VERSION: u32 = 5;
 
 /// The descriptor set of the records, as every log carries it.
 pub const DESCRIPTOR: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/wisdom.binpb"));
@@ -48,6 +48,33 @@ impl Decision {
             hasher.update(&bare.encode_to_vec());
         }
         *hasher.finalize().as_bytes()
+    }
+}
+
+impl Message {
+    /// The message in words.
+    #[must_use]
+    pub fn text(&self) -> String {
+        let Self { number, kind, name, directive, target, .. } = self;
+        let place = target.map_or_else(String::new, |c| format!(" at ({}, {})", c.row, c.col));
+        match kind.as_str() {
+            "pursue" => {
+                let must = if self.mandatory { ", mandatory" } else { "" };
+                let prize = self.prize.unwrap_or_default();
+                format!(
+                    "message {number}: command `{name}`: {directive}{place}, prize {prize}{must}"
+                )
+            }
+            "withdraw" => format!("message {number}: command `{name}` is withdrawn"),
+            _ => {
+                let told = |what: &str, facts: &[String]| match facts {
+                    [] => String::new(),
+                    facts => format!("; {what}: {}", facts.join(", ")),
+                };
+                let (holds, lost) = (told("holds now", &self.adds), told("lost", &self.deletes));
+                format!("message {number}: facts{holds}{lost}")
+            }
+        }
     }
 }
 

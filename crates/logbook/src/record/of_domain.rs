@@ -6,10 +6,11 @@ use wisdom_grid as grid;
 use wisdom_planner as planner;
 
 use super::{
-    Act, Candidates, Cell, Choice, Cost, DECISION_VERSION, Decision, Event, Frame, Fused, Goal,
-    Gradient, LayerWindow, LeftOut, Leg, LegSummary, ManagerState, Masses, Objective, Objectives,
-    Observation, Outcome, Plan, PlanOption, Pose, Retired, Route, Routes, Sequence, Service, Site,
-    Spent, State, Stop, Term, Tries, Trigger, Verdict, hex,
+    Act, Candidates, Cell, Change, Choice, Command, Cost, DECISION_VERSION, Decision, Event, Frame,
+    Fused, Goal, Gradient, LayerWindow, LeftOut, Leg, LegSummary, ManagerState, Masses, Message,
+    Objective, Objectives, Observation, Order, Outcome, Plan, PlanOption, Pose, Retired, Route,
+    Routes, Sequence, Service, Site, Spent, State, Stop, Term, Transition, Tries, Trigger, Verdict,
+    hex,
 };
 use crate::Setting;
 
@@ -144,32 +145,89 @@ fn trigger(trigger: &core::Trigger) -> Trigger {
         Why::Risk { reliability, floor } => {
             Trigger { reliability: finite(reliability), floor: finite(floor), ..named }
         }
+        Why::CorridorChanged { cell, before, after } => Trigger {
+            cell: Some(cell.into()),
+            before: finite(before),
+            after: finite(after),
+            ..named
+        },
+        Why::WindowClosing { goal, left_s } => {
+            Trigger { goal: Some(goal.0), seconds: finite(left_s), ..named }
+        }
+        Why::Conflict { goal, before, after } => {
+            Trigger { goal: Some(goal.0), before: finite(before), after: finite(after), ..named }
+        }
+        Why::Command { number } | Why::Facts { number } => {
+            Trigger { message: Some(number), ..named }
+        }
+        Why::Cadence { since_s } | Why::Watchdog { since_s } => {
+            Trigger { seconds: finite(since_s), ..named }
+        }
         Why::RouteBlocked(cell) => Trigger { cell: Some(cell.into()), ..named },
         _ => named,
     }
 }
 
 fn goal(goal: &goals::Goal, setting: &Setting) -> Goal {
+    // Taken apart field by field, so that nothing it comes to know is left out of the log.
+    let goals::Goal {
+        id,
+        directive,
+        target,
+        interest,
+        prize,
+        prominence,
+        ignorance,
+        paradox,
+        contradiction,
+        credit,
+        region_cells,
+        extent,
+        doubt,
+        attempts,
+        born,
+        parent,
+        order,
+        pose,
+        operators,
+        life,
+    } = goal;
+    let order = order.as_ref().map(|order| Order {
+        name: order.name.clone(),
+        prize: order.prize,
+        mandatory: order.mandatory,
+    });
     Goal {
-        id: goal.id.0,
-        directive: goal.directive as u32,
-        directive_name: setting.directive(goal.directive),
-        target: Some(goal.target.into()),
-        interest: goal.interest,
-        prize: goal.prize,
-        prominence: goal.prominence,
-        ignorance: goal.ignorance,
-        paradox: goal.paradox,
-        credit: goal.credit.clone(),
-        region_cells: goal.region_cells as u32,
-        attempts: goal.attempts,
-        born: goal.born,
-        status: goal.status.to_string(),
+        id: id.0,
+        directive: *directive as u32,
+        directive_name: setting.directive(*directive),
+        target: Some((*target).into()),
+        interest: *interest,
+        prize: *prize,
+        prominence: *prominence,
+        ignorance: *ignorance,
+        paradox: *paradox,
+        credit: credit.clone(),
+        region_cells: *region_cells as u32,
+        attempts: *attempts,
+        born: *born,
+        status: life.status().to_string(),
+        contradiction: *contradiction,
+        extent_first: Some(grid::Cell { row: extent.row, col: extent.col }.into()),
+        extent_rows: extent.rows as u32,
+        extent_cols: extent.cols as u32,
+        doubt: *doubt,
+        parent: parent.map(|parent| parent.0),
+        order,
+        pose: pose.map(Into::into),
+        operators: operators.iter().map(|&index| index as u32).collect(),
+        kind: setting.kind(*directive),
     }
 }
 
 fn retired(place: &goals::Retired) -> Retired {
-    let &goals::Retired { goal, target, radius_m, reason, ground, reopenings, closed } = place;
+    let &goals::Retired { goal, kind, target, radius_m, reason, ground, reopenings, closed } =
+        place;
     Retired {
         goal: goal.0,
         target: Some(target.into()),
@@ -178,6 +236,21 @@ fn retired(place: &goals::Retired) -> Retired {
         ground,
         reopenings,
         closed,
+        kind: kind.to_string(),
+    }
+}
+
+fn command(command: &goals::Command) -> Command {
+    let named = Command { name: command.name.clone(), ..Command::default() };
+    match command.wish {
+        goals::Wish::Withdraw => named,
+        goals::Wish::Pursue { directive, target, prize, mandatory } => Command {
+            directive: Some(directive as u32),
+            target: Some(target.into()),
+            prize,
+            mandatory,
+            ..named
+        },
     }
 }
 
@@ -204,6 +277,7 @@ impl ManagerState {
             retired: places,
             tries: failed,
             events,
+            commands,
             next_id,
             decision,
         } = state;
@@ -212,6 +286,7 @@ impl ManagerState {
             agenda: agenda.iter().map(|id| id.0).collect(),
             retired: places.iter().map(retired).collect(),
             tries: failed.iter().map(tries).collect(),
+            commands: commands.iter().map(command).collect(),
             events: events.iter().copied().map(event).collect(),
             next_id: *next_id,
             decision: *decision,
@@ -246,6 +321,8 @@ fn candidates(decision: &core::Decision) -> Candidates {
         sites: decision.sites.iter().map(site).collect(),
         shortlist: kept.iter().map(|id| id.0).collect(),
         left_out: left_out.iter().map(|&(id, bound)| LeftOut { goal: id.0, bound }).collect(),
+        promises: decision.promises.iter().map(site).collect(),
+        disputes: decision.disputes.iter().map(site).collect(),
     }
 }
 
@@ -345,17 +422,40 @@ fn act(act: &core::Act, cost: planner::CostVector) -> Act {
             Act { route: Some(route.into()), ignorance: finite(*ignorance), ..named }
         }
         core::Act::Home { route } => Act { route: Some(route.into()), ..named },
-        core::Act::Wait { wake } => Act { wake: Some((*wake).to_owned()), ..named },
+        core::Act::Wait { wake } => Act { wake: Some(wake.to_string()), ..named },
         _ => named,
     }
 }
 
-fn verdict(verdict: &goals::Verdict, setting: &Setting) -> Verdict {
-    let term = |term: &goals::Term| Term {
+fn term(term: &goals::Term) -> Term {
+    Term {
         name: term.name.to_owned(),
         value: finite(term.value),
         limit: term.limit.and_then(finite),
-    };
+    }
+}
+
+fn change(change: &goals::Change) -> Change {
+    Change {
+        transformation: change.transformation.to_string(),
+        reason: change.reason.to_string(),
+        other: change.other.map(|other| other.0),
+        terms: change.terms.iter().map(term).collect(),
+    }
+}
+
+fn transition(step: &goals::Transition) -> Transition {
+    Transition {
+        goal: step.goal.0,
+        from: step.from.to_string(),
+        to: step.to.to_string(),
+        reason: step.reason.to_string(),
+        outcome: step.outcome.map(|outcome| outcome.to_string()),
+    }
+}
+
+fn verdict(verdict: &goals::Verdict, setting: &Setting) -> Verdict {
+    let transformation = goals::Transformation::of(verdict.action, verdict.reason);
     Verdict {
         goal: Some(goal(&verdict.goal, setting)),
         action: verdict.action.to_string(),
@@ -364,6 +464,35 @@ fn verdict(verdict: &goals::Verdict, setting: &Setting) -> Verdict {
         turn: verdict.turn.map(|turn| turn as u32),
         other: verdict.other.map(|other| other.0),
         terms: verdict.terms.iter().map(term).collect(),
+        transformation: transformation.to_string(),
+        changes: verdict.changes.iter().map(change).collect(),
+    }
+}
+
+impl From<&core::Message> for Message {
+    fn from(message: &core::Message) -> Self {
+        let numbered = Self { number: message.number, ..Self::default() };
+        match &message.word {
+            core::Word::Pursue { name, directive, target, prize, mandatory } => Self {
+                kind: "pursue".to_owned(),
+                name: name.clone(),
+                directive: directive.clone(),
+                target: Some((*target).into()),
+                prize: finite(*prize),
+                mandatory: *mandatory,
+                ..numbered
+            },
+            core::Word::Withdraw { name } => {
+                Self { kind: "withdraw".to_owned(), name: name.clone(), ..numbered }
+            }
+            core::Word::Facts { adds, deletes } => Self {
+                kind: "facts".to_owned(),
+                adds: adds.clone(),
+                deletes: deletes.clone(),
+                ..numbered
+            },
+            _ => Self { kind: UNNAMED.to_owned(), ..numbered },
+        }
     }
 }
 
@@ -381,6 +510,7 @@ impl Decision {
                 digest: hex(&digests.frame.0),
                 map_changed: decision.map_changed,
                 seen: decision.seen,
+                version: decision.map_version,
             }),
             gradient: Some(Gradient { digest: hex(&digests.derived.0) }),
             masses: Some(Masses { digest: hex(&digests.masses.0) }),
@@ -397,6 +527,7 @@ impl Decision {
                 plan: decision.family.get(decision.chosen).map(|member| plan(&member.plan)),
                 verdicts: decision.verdicts.iter().map(|v| verdict(v, setting)).collect(),
                 manager: Some(ManagerState::of(&decision.manager_after, setting)),
+                transitions: decision.transitions.iter().map(transition).collect(),
             }),
             chain: String::new(),
         }

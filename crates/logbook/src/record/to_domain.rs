@@ -4,7 +4,9 @@ use wisdom_autonomy as core;
 use wisdom_goals::{self as goals, GoalId, Reason, Status};
 use wisdom_grid as grid;
 
-use super::{Cell, Goal, LayerWindow, ManagerState, Observation, Outcome, Pose, Retired, Spent};
+use super::{
+    Cell, Goal, LayerWindow, ManagerState, Message, Observation, Outcome, Pose, Retired, Spent,
+};
 use crate::LogError;
 
 /// The record being read, to be named if it is malformed.
@@ -98,7 +100,8 @@ impl Reading<'_> {
 
     fn reason(&self, field: &str, name: &str) -> Result<Reason, LogError> {
         Reason::ALL
-            .into_iter()
+            .iter()
+            .copied()
             .find(|reason| reason.to_string() == name)
             .ok_or_else(|| self.malformed(field, &name, "the name of a reason"))
     }
@@ -109,10 +112,24 @@ impl Reading<'_> {
         for (index, &share) in goal.credit.iter().enumerate() {
             finite(&format!("credit[{index}]"), share)?;
         }
-        let status =
-            Status::ALL.into_iter().find(|&status| status.to_string() == goal.status).ok_or_else(
-                || self.malformed(&field("status"), &goal.status, "the name of a goal's status"),
-            )?;
+        let status = Status::ALL.iter().copied().find(|status| status.name() == goal.status);
+        let status = status.ok_or_else(|| {
+            self.malformed(&field("status"), &goal.status, "the name of a goal's status")
+        })?;
+        let first = self.cell(&field("extent_first"), goal.extent_first.as_ref())?;
+        let side = |name: &str, value: u32| self.side(&field(name), value);
+        let order = match &goal.order {
+            None => None,
+            Some(order) => Some(goals::Order {
+                name: order.name.clone(),
+                prize: finite("order.prize", order.prize)?,
+                mandatory: order.mandatory,
+            }),
+        };
+        let pose = match &goal.pose {
+            None => None,
+            pose => Some(self.cell(&field("pose"), pose.as_ref())?),
+        };
         Ok(goals::Goal {
             id: GoalId(goal.id),
             directive: goal.directive as usize,
@@ -126,7 +143,19 @@ impl Reading<'_> {
             region_cells: goal.region_cells as usize,
             attempts: goal.attempts,
             born: goal.born,
-            status,
+            contradiction: finite("contradiction", goal.contradiction)?,
+            extent: grid::Window {
+                row: first.row,
+                col: first.col,
+                rows: side("extent_rows", goal.extent_rows)?,
+                cols: side("extent_cols", goal.extent_cols)?,
+            },
+            doubt: finite("doubt", goal.doubt)?,
+            parent: goal.parent.map(GoalId),
+            order,
+            pose,
+            operators: goal.operators.iter().map(|&index| index as usize).collect(),
+            life: goals::Life::recorded(status),
         })
     }
 
@@ -134,6 +163,9 @@ impl Reading<'_> {
         let field = |name: &str| format!("manager.retired[G{}].{name}", place.goal);
         Ok(goals::Retired {
             goal: GoalId(place.goal),
+            kind: place.kind.parse().map_err(|_| {
+                self.malformed(&field("kind"), &place.kind, "inspect, look-again or adjudicate")
+            })?,
             target: self.cell(&field("target"), place.target.as_ref())?,
             radius_m: self.finite(&field("radius_m"), place.radius_m)?,
             reason: self.reason(&field("reason"), &place.reason)?,
@@ -212,6 +244,18 @@ impl TryFrom<&ManagerState> for goals::ManagerState {
             let target = reading.cell("manager.tries.target", tries.target.as_ref())?;
             Ok::<_, LogError>(goals::Tries { target, failed: tries.failed })
         };
+        let command = |command: &super::Command| {
+            let wish = match command.directive {
+                None => goals::Wish::Withdraw,
+                Some(directive) => goals::Wish::Pursue {
+                    directive: directive as usize,
+                    target: reading.cell("manager.commands.target", command.target.as_ref())?,
+                    prize: reading.finite("manager.commands.prize", command.prize)?,
+                    mandatory: command.mandatory,
+                },
+            };
+            Ok::<_, LogError>(goals::Command { name: command.name.clone(), wish })
+        };
         let mut known = std::collections::BTreeMap::new();
         for record in &record.goals {
             let goal = reading.goal(record)?;
@@ -228,9 +272,36 @@ impl TryFrom<&ManagerState> for goals::ManagerState {
                 .map(|place| reading.retired(place))
                 .collect::<Result<_, _>>()?,
             events: record.events.iter().map(event).collect::<Result<_, _>>()?,
+            commands: record.commands.iter().map(command).collect::<Result<_, _>>()?,
             tries: record.tries.iter().map(tries).collect::<Result<_, _>>()?,
             next_id: record.next_id,
             decision: record.decision,
         })
+    }
+}
+
+impl TryFrom<&Message> for core::Message {
+    type Error = LogError;
+
+    fn try_from(record: &Message) -> Result<Self, LogError> {
+        let reading = Reading { kind: "message", number: record.number };
+        let name = record.name.clone();
+        let word = match record.kind.as_str() {
+            "pursue" => core::Word::Pursue {
+                name,
+                directive: record.directive.clone(),
+                target: reading.cell("target", record.target.as_ref())?,
+                prize: reading.finite("prize", reading.present("prize", record.prize)?)?,
+                mandatory: record.mandatory,
+            },
+            "withdraw" => core::Word::Withdraw { name },
+            "facts" => {
+                core::Word::Facts { adds: record.adds.clone(), deletes: record.deletes.clone() }
+            }
+            other => {
+                return Err(reading.malformed("kind", &other, "pursue, withdraw or facts"));
+            }
+        };
+        Ok(Self { number: record.number, word })
     }
 }

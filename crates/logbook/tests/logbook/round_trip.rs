@@ -299,6 +299,7 @@ proptest! {
                 Entry::Observation(record) => told_again.push(Observation::try_from(record).unwrap()),
                 Entry::Outcome(record) => came_again.push(Outcome::try_from(record).unwrap()),
                 Entry::Decision(decision) => prop_assert_eq!(decision.number, 0),
+                Entry::Message(message) => prop_assert!(false, "nobody spoke, but {message:?}"),
                 Entry::Fault(fault) => prop_assert!(false, "nothing broke, but {fault:?}"),
             }
         }

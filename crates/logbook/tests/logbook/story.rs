@@ -7,8 +7,9 @@ use wisdom_autonomy::{
     PlanOption, Pose, RoverState, Spent, StepResult, Trigger,
 };
 use wisdom_goals::{
-    Action, Cause, Event, Expansion, FactSet, Goal, GoalId, GoalSequence, ManagerState, Proof,
-    Reason, Retired, ServiceCost, Shortlist, Site, Status, Stop, Term, Tries, Verdict,
+    Action, Cause, Change, Command, Event, Expansion, FactSet, Goal, GoalId, GoalSequence, Kind,
+    Life, ManagerState, Order, Proof, Reason, Retired, ServiceCost, Shortlist, Site, Status, Stop,
+    Term, Transition, Tries, Verdict, Wish,
 };
 use wisdom_grid::{Cell, GridSpec, Raster, Window};
 use wisdom_logbook::{
@@ -25,6 +26,7 @@ pub(crate) fn setting() -> Setting {
         facts: vec!["warm".to_owned(), "sampled".to_owned()],
         operators: vec!["drive".to_owned(), "unfold".to_owned(), "drill".to_owned()],
         directives: vec!["contact".to_owned(), "look".to_owned()],
+        kinds: vec!["inspect".to_owned(), "look-again".to_owned()],
     }
 }
 
@@ -98,7 +100,18 @@ fn goal(id: u32) -> Goal {
         region_cells: 4,
         attempts: 1,
         born: 0,
-        status: Status::Committed,
+        contradiction: 0.2,
+        extent: Window { row: 1, col: 0, rows: 2, cols: 3 },
+        doubt: 0.4,
+        parent: (id > 0).then(|| GoalId(id - 1)),
+        order: (id % 2 == 0).then(|| Order {
+            name: "go there".to_owned(),
+            prize: 0.8,
+            mandatory: true,
+        }),
+        pose: Some(Cell::new(2, 1)),
+        operators: vec![1, 2],
+        life: Life::recorded(Status::Dispatched),
     }
 }
 
@@ -108,6 +121,7 @@ pub(crate) fn manager(number: u32) -> ManagerState {
         agenda: vec![GoalId(number), GoalId(number + 1)],
         retired: vec![Retired {
             goal: GoalId(90),
+            kind: Kind::Adjudicate,
             target: Cell::new(0, 0),
             radius_m: 8.0,
             reason: Reason::AttemptsSpent,
@@ -117,6 +131,18 @@ pub(crate) fn manager(number: u32) -> ManagerState {
         }],
         tries: vec![Tries { target: Cell::new(3, 3), failed: 1 }],
         events: vec![(GoalId(number), Event::Achieved), (GoalId(number + 1), Event::Failed)],
+        commands: vec![
+            Command {
+                name: "go there".to_owned(),
+                wish: Wish::Pursue {
+                    directive: 1,
+                    target: Cell::new(3, 2),
+                    prize: 0.5,
+                    mandatory: false,
+                },
+            },
+            Command { name: "go there".to_owned(), wish: Wish::Withdraw },
+        ],
         next_id: number + 2,
         decision: number,
     }
@@ -168,6 +194,7 @@ fn verdict(id: u32, action: Action, reason: Reason) -> Verdict {
             Term::against("energy_j", 400.0, 350.0),
             Term::against("data_mb", 1.0, f64::INFINITY),
         ],
+        changes: vec![Change::new(Reason::Retyped, vec![Term::of("ignorance", 0.5)])],
     }
 }
 
@@ -212,6 +239,16 @@ pub(crate) fn decision(number: u32) -> Decision {
             travel: digest(6),
         },
         map_changed: true,
+        map_version: 3,
+        promises: Vec::new(),
+        disputes: Vec::new(),
+        transitions: vec![Transition {
+            goal: GoalId(number),
+            from: Status::Committed,
+            to: Status::Dispatched,
+            reason: Reason::Unchanged,
+            outcome: None,
+        }],
         background: 0.488,
         seen: 0.25,
         sites: vec![Site {
