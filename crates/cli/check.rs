@@ -5,8 +5,10 @@ use std::process::ExitCode;
 
 use serde_json::json;
 use wisdom_autonomy::Source;
-use wisdom_mission::Mission;
+use wisdom_goals::{Directive, Policy};
+use wisdom_mission::{Lint, Mission, Warning, lint};
 
+use crate::exit::FAILED;
 use crate::mission_args::MissionArgs;
 
 /// Check a mission without running it.
@@ -17,11 +19,18 @@ pub(crate) struct CheckArgs {
     /// Print one JSON object instead of text.
     #[arg(long)]
     json: bool,
+    /// End with exit code 1 if there are warnings.
+    #[arg(long)]
+    strict: bool,
 }
 
 pub(crate) fn run(args: &CheckArgs) -> anyhow::Result<ExitCode> {
     let mission = args.mission.load(&[])?;
-    let remarks = remarks(&mission);
+    let mut remarks = remarks(&mission);
+    let (unchecked, warnings): (Vec<Warning>, Vec<Warning>) =
+        lint(&mission).into_iter().partition(|warning| warning.lint == Lint::NotChecked);
+    remarks.extend(unchecked.into_iter().map(|remark| format!("not checked: {}", remark.message)));
+    let code = if args.strict && !warnings.is_empty() { FAILED } else { 0 };
     let mut out = std::io::stdout().lock();
     let spec = &mission.spec;
     let grid = spec.grid;
@@ -38,10 +47,24 @@ pub(crate) fn run(args: &CheckArgs) -> anyhow::Result<ExitCode> {
             "directives": spec.directives.iter().map(|d| &d.name).collect::<Vec<_>>(),
             "operators": spec.domain.operators().iter().map(|o| &o.name).collect::<Vec<_>>(),
             "files": mission.files.keys().collect::<Vec<_>>(),
+            "objective": {
+                "confidence": spec.preferences.confidence,
+                "risk_price": spec.preferences.prices.risk,
+                "energy_price_per_j": spec.preferences.prices.energy_per_j,
+                "time_price_per_s": spec.preferences.prices.time_per_s,
+                "data_price_per_mb": spec.preferences.prices.data_per_mb,
+            },
+            "mandatory": spec
+                .directives
+                .iter()
+                .filter(|d| d.mandatory)
+                .map(|d| &d.name)
+                .collect::<Vec<_>>(),
             "remarks": remarks,
+            "warnings": warnings.iter().map(json_of).collect::<Vec<_>>(),
         });
         writeln!(out, "{object}")?;
-        return Ok(ExitCode::SUCCESS);
+        return Ok(ExitCode::from(code));
     }
     writeln!(out, "{}: {}", mission.name, mission.summary)?;
     writeln!(
@@ -57,6 +80,7 @@ pub(crate) fn run(args: &CheckArgs) -> anyhow::Result<ExitCode> {
         "  fusion      rule {}, statistic {}, prize {}, policy {}, seed {}",
         spec.fusion.rule, spec.fusion.statistic, spec.prize, spec.policy, mission.seed
     )?;
+    write_objective(&mut out, &mission)?;
     write_rover(&mut out, &mission)?;
     for layer in &spec.layers {
         let source = match layer.source {
@@ -85,17 +109,70 @@ pub(crate) fn run(args: &CheckArgs) -> anyhow::Result<ExitCode> {
             .collect();
         writeln!(
             out,
-            "  directive   {} wants {} by {}",
+            "  directive   {} wants {} by {}{}",
             directive.name,
             wants.join(", "),
-            operators.join(", ")
+            operators.join(", "),
+            urgency(directive)
         )?;
     }
     for remark in &remarks {
         writeln!(out, "  remark      {remark}")?;
     }
-    writeln!(out, "ok: {} files, nothing wrong", mission.files.len())?;
-    Ok(ExitCode::SUCCESS)
+    for warning in &warnings {
+        writeln!(out, "  warning     {warning}")?;
+    }
+    let found = match warnings.len() {
+        0 => "nothing wrong".to_owned(),
+        1 => "1 warning".to_owned(),
+        n => format!("{n} warnings"),
+    };
+    writeln!(out, "ok: {} files, {found}", mission.files.len())?;
+    Ok(ExitCode::from(code))
+}
+
+fn json_of(warning: &Warning) -> serde_json::Value {
+    json!({
+        "rule": warning.lint.name(),
+        "file": warning.file,
+        "line": warning.place.map(|(line, _)| line),
+        "column": warning.place.map(|(_, column)| column),
+        "key": warning.key,
+        "message": warning.message,
+    })
+}
+
+/// What the policy is told besides the plan, and which of it this policy asks for.
+fn write_objective(out: &mut dyn Write, mission: &Mission) -> std::io::Result<()> {
+    let spec = &mission.spec;
+    let (confidence, prices) = (spec.preferences.confidence, &spec.preferences.prices);
+    let asked = match spec.policy {
+        Policy::ChanceConstrained => "the confidence",
+        Policy::NetBenefit => "the prices of risk and energy",
+        Policy::Utility => "all four prices",
+        _ => "none of it",
+    };
+    writeln!(
+        out,
+        "  objective   confidence {confidence}; prices {} of -ln R, {} a kJ, {} an hour, {} a MB; {} asks for {asked}",
+        prices.risk,
+        prices.energy_per_j * 1e3,
+        prices.time_per_s * 3600.0,
+        prices.data_per_mb,
+        spec.policy
+    )
+}
+
+/// Whether a directive comes before others, or is worth less with time.
+fn urgency(directive: &Directive) -> String {
+    let mandatory = if directive.mandatory { "; mandatory" } else { "" };
+    match directive.fade {
+        None => mandatory.to_owned(),
+        Some(fade) => format!(
+            "{mandatory}; whole until {} s, worth nothing from {} s on",
+            fade.full_until_s, fade.nothing_from_s
+        ),
+    }
 }
 
 /// What the rover is, which ways are weighed, and what may break.

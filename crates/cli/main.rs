@@ -6,12 +6,14 @@ mod check;
 mod combine;
 mod compare;
 mod exit;
+mod explain;
 mod figure;
 mod mission_args;
 mod paper;
 mod replay;
 mod rules;
 mod run;
+mod schema;
 mod show;
 mod terrain;
 mod verify;
@@ -37,6 +39,8 @@ enum Command {
     Run(run::RunArgs),
     /// Tell a logged mission as a story, decision by decision.
     Replay(replay::ReplayArgs),
+    /// Tell why a logged decision left goals out, and what would have brought them in.
+    Explain(explain::ExplainArgs),
     /// Derive every decision of a log again from its logged inputs and compare.
     Verify(verify::VerifyArgs),
     /// Run the same worlds under several fusion rules and compare the goal sequences.
@@ -47,6 +51,8 @@ enum Command {
     Show(show::ShowArgs),
     /// Check a mission without running it.
     Check(check::CheckArgs),
+    // Without a doc comment, as above.
+    Schema(schema::SchemaArgs),
     /// List the rules of combination, or explain one.
     Rules(rules::RulesArgs),
     // As above.
@@ -61,11 +67,13 @@ fn main() -> ExitCode {
     let outcome = match Cli::parse().command {
         Command::Run(args) => run::run(&args),
         Command::Replay(args) => replay::run(&args),
+        Command::Explain(args) => explain::run(&args),
         Command::Verify(args) => verify::run(&args),
         Command::Compare(args) => compare::run(&args),
         Command::Campaign(args) => campaign::run(&args),
         Command::Show(args) => show::run(&args),
         Command::Check(args) => check::run(&args),
+        Command::Schema(args) => schema::run(&args),
         Command::Rules(args) => rules::run(&args),
         Command::Combine(args) => combine::run(&args),
         Command::Terrain(args) => terrain::run(&args),

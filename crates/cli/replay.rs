@@ -112,7 +112,7 @@ fn place(cell: Option<&record::Cell>) -> String {
     cell.map_or_else(|| "?".to_owned(), |c| format!("({}, {})", c.row, c.col))
 }
 
-fn trigger(trigger: &Trigger) -> String {
+pub(crate) fn trigger(trigger: &Trigger) -> String {
     let mut parts = vec![trigger.name.clone()];
     parts.extend(trigger.goal.map(|g| format!("G{g}")));
     parts.extend(trigger.cell.as_ref().map(|c| format!("at {}", place(Some(c)))));

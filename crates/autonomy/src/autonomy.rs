@@ -12,7 +12,7 @@ use wisdom_planner::{
 };
 
 use crate::maps::Digester;
-use crate::weighing::{Asked, Standing, Weighing, weigh};
+use crate::weighing::{Asked, Standing, weigh};
 use crate::{
     Act, AutonomyError, Decision, Deliberation, Digest, Digests, FrontOf, Knowledge,
     MIN_WORKING_CELLS, Maps, Message, Objectives, Observation, Outcome, Pace, PlanOption, Pose,
@@ -413,7 +413,7 @@ impl Autonomy {
             let mut poses = weighing.poses.clone();
             poses.insert(goal, standing.poses(before.target, weaker));
             let again = weigh(&standing, &self.manager, &mut self.travel, poses, asked, watch);
-            if again.deliberation.selection.sequence().goals().any(|id| id == goal) {
+            if again.selection.sequence().goals().any(|id| id == goal) {
                 weighing = again;
             } else {
                 self.manager.take_back(before, &mut revision);
@@ -439,14 +439,13 @@ impl Autonomy {
             masses: maps.masses_digest(),
             fusion: maps.fusion_digest(),
             ground: maps.ground_digest(),
-            travel: travel_digest(&weighing.deliberation.travel, weighing.deliberation.nodes.len()),
+            travel: travel_digest(&weighing.travel, weighing.nodes.len()),
         };
         watch(Stage::Digests);
         let number = self.decisions;
         self.decisions += 1;
         self.decided_version = self.knowledge.version();
         self.decided_at_s = self.spent.time_s;
-        let Weighing { shortlist, deliberation, .. } = weighing;
         let decision = Decision {
             number,
             triggers,
@@ -461,19 +460,25 @@ impl Autonomy {
             disputes: maps.disputes.clone().unwrap_or_default(),
             verdicts,
             transitions,
-            shortlist,
+            shortlist: weighing.shortlist.clone(),
             family,
             chosen,
-            proof: deliberation.selection.proof,
-            expansions: deliberation.selection.expansions,
+            proof: weighing.selection.proof,
+            expansions: weighing.selection.expansions,
             committed_value,
-            held: deliberation.selection.held,
+            held: weighing.selection.held,
             act,
             act_cost,
             manager_after: self.manager.state().clone(),
         };
-        self.deliberation = Some(deliberation);
+        self.deliberation = Some(weighing.into_deliberation(&decision, self.spent.time_s));
         Ok(decision)
+    }
+
+    /// Whether maps and pose are still those of the latest decision.
+    pub(crate) fn maps_are_those_decided_on(&self) -> bool {
+        let here = |d: &Deliberation| d.nodes.first() == Some(&self.pose.cell);
+        self.knowledge.version() == self.decided_version && self.deliberation().is_some_and(here)
     }
 
     fn state(&self) -> RoverState {

@@ -1,6 +1,8 @@
 //! What a decision was searched in, kept for whoever asks about it afterwards.
 
-use wisdom_goals::{Candidate, FactSet, GoalId, Limits, Problem, Selection};
+use wisdom_goals::{
+    Candidate, FactSet, GoalId, Limits, ManagerState, Poses, Problem, Selection, Shortlist, Verdict,
+};
 use wisdom_grid::Cell;
 use wisdom_planner::TravelMatrix;
 
@@ -26,6 +28,18 @@ pub struct Deliberation {
     pub pinned: Option<GoalId>,
     /// What was chosen.
     pub selection: Selection,
+    /// Which goals were sequenced, and which were cut.
+    pub shortlist: Shortlist,
+    /// Poses of every open goal.
+    pub poses: Poses,
+    /// What was said of every known goal.
+    pub verdicts: Vec<Verdict>,
+    /// What the goal manager remembered afterwards.
+    pub manager: ManagerState,
+    /// Median interest over seen ground.
+    pub background: f64,
+    /// How long the mission had lasted, seconds.
+    pub spent_s: f64,
 }
 
 impl Deliberation {

@@ -7,6 +7,7 @@ mod error;
 mod knowledge;
 mod maps;
 mod observation;
+mod price;
 mod spec;
 mod stage;
 mod weighing;
@@ -20,6 +21,7 @@ pub use error::AutonomyError;
 pub use knowledge::Knowledge;
 pub use maps::{Maps, Promise};
 pub use observation::{LayerWindow, Message, Observation, Outcome, Pose, Spent, StepResult, Word};
+pub use price::{Applied, Confirmation, GoalPrice};
 pub use spec::{
     ApproachSpec, Budget, Derivation, ELEVATION, Fallback, LayerSpec, MIN_WORKING_CELLS, MapUpdate,
     Pace, RouteSpec, Source, Spec, Triggers,

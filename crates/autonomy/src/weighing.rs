@@ -4,15 +4,16 @@ use std::collections::BTreeMap;
 
 use rayon::prelude::*;
 use wisdom_goals::{
-    Approach, FactSet, Goal, GoalId, GoalManager, Limits, Poses, Shortlist, Weighed, poses, serves,
+    Approach, Candidate, FactSet, Goal, GoalId, GoalManager, Limits, Poses, Selection, Shortlist,
+    Weighed, poses, serves,
 };
 use wisdom_grid::Cell;
 use wisdom_planner::{
-    CostVector, Field, Limits as DriveLimits, TravelCache, TravelOptions, Weights,
+    CostVector, Field, Limits as DriveLimits, TravelCache, TravelMatrix, TravelOptions, Weights,
 };
 
 use crate::deliberation::problem;
-use crate::{Deliberation, Maps, Spec, Stage};
+use crate::{Decision, Deliberation, Maps, Spec, Stage};
 
 /// Where the rover stands on its maps, and how far it gets.
 pub(crate) struct Standing<'a> {
@@ -64,20 +65,47 @@ pub(crate) struct Asked {
 pub(crate) struct Weighing {
     pub poses: Poses,
     pub shortlist: Shortlist,
-    pub deliberation: Deliberation,
+    pub candidates: Vec<Candidate>,
+    pub travel: TravelMatrix,
+    pub nodes: Vec<Cell>,
+    pub asked: Asked,
+    pub agenda: Vec<GoalId>,
+    pub selection: Selection,
 }
 
 impl Weighing {
     /// As the goal manager wants it.
     pub(crate) fn weighed<'a>(&'a self, spec: &'a Spec, map_changed: bool) -> Weighed<'a> {
+        let Self { poses, shortlist, candidates, travel, nodes, asked, selection, .. } = self;
         Weighed {
-            selection: &self.deliberation.selection,
-            shortlist: &self.shortlist,
-            poses: &self.poses,
-            problem: self.deliberation.problem(spec),
-            nodes: &self.deliberation.nodes,
+            selection,
+            shortlist,
+            poses,
+            problem: problem(spec, candidates, travel, asked.facts, asked.limits),
+            nodes,
             spacing_m: spec.grid.spacing_m(),
             map_changed,
+        }
+    }
+
+    /// What is kept of it after the decision.
+    pub(crate) fn into_deliberation(self, decision: &Decision, spent_s: f64) -> Deliberation {
+        let Self { poses, shortlist, candidates, travel, nodes, asked, agenda, selection } = self;
+        Deliberation {
+            candidates,
+            travel,
+            nodes,
+            facts: asked.facts,
+            limits: asked.limits,
+            agenda,
+            pinned: asked.pinned,
+            selection,
+            shortlist,
+            poses,
+            verdicts: decision.verdicts.clone(),
+            manager: decision.manager_after.clone(),
+            background: decision.background,
+            spent_s,
         }
     }
 }
@@ -100,13 +128,11 @@ pub(crate) fn weigh(
     let travel = cache.travel(&maps.ground, &nodes, &options);
     watch(Stage::Travel);
     let candidates = manager.candidates(&shortlist, &nodes_of, spacing_m, asked.spent_s);
-    let Asked { facts, limits, pinned, .. } = asked;
-    let selection = manager.select(&problem(spec, &candidates, &travel, facts, limits), pinned);
+    let asked_of = problem(spec, &candidates, &travel, asked.facts, asked.limits);
+    let selection = manager.select(&asked_of, asked.pinned);
     watch(Stage::Sequences);
     let agenda = manager.state().agenda.clone();
-    let deliberation =
-        Deliberation { candidates, travel, nodes, facts, limits, agenda, pinned, selection };
-    Weighing { poses, shortlist, deliberation }
+    Weighing { poses, shortlist, candidates, travel, nodes, asked, agenda, selection }
 }
 
 /// The matrix nodes: where the rover stands, then the poses of the shortlisted goals.

@@ -29,9 +29,18 @@ const LEAST_INTEREST: f64 = 1e-12;
 pub fn credit(evidence: &Evidence, fusion: &Fusion, cell: Cell) -> Vec<f64> {
     fusion.assert_admits(evidence);
     let sources: Vec<InterestMass> = evidence.at(cell).collect();
+    credit_of(&sources, fusion)
+}
+
+/// Each source's share in the interest of what they say together: [`credit`] of a cell where the experts say this.
+///
+/// # Panics
+/// If [`Fusion::check`] refuses as many experts.
+#[must_use]
+pub fn credit_of(sources: &[InterestMass], fusion: &Fusion) -> Vec<f64> {
     match fusion.rule {
         Rule::Dsmc => shares(sources.iter().map(weight_of_evidence).collect()),
-        _ => shares(shapley_values(&sources, |some| fusion.interest(some))),
+        _ => shares(shapley_values(sources, |some| fusion.interest(some))),
     }
 }
 

@@ -77,8 +77,12 @@ impl Fusion {
         fused.expect("Fusion::check admits rule, policy and settings")
     }
 
-    /// The statistic of what these sources say together.
-    pub(crate) fn interest(self, sources: &[InterestMass]) -> f64 {
+    /// The statistic of what these sources say together: the interest of one cell, in [0, 1].
+    ///
+    /// # Panics
+    /// If [`Fusion::check`] refuses as many experts.
+    #[must_use]
+    pub fn interest(self, sources: &[InterestMass]) -> f64 {
         self.statistic.of(self.fuse(sources).mass, &self.rule.model())
     }
 

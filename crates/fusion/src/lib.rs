@@ -9,7 +9,7 @@ mod statistic;
 mod table;
 
 pub use belief_map::belief_map;
-pub use credit::credit;
+pub use credit::{credit, credit_of};
 pub use error::FusionError;
 pub use expert::{Evidence, Expert, judge};
 pub use interest_map::{Fusion, InterestMap, MAX_EXPERTS, interest_map};

@@ -140,6 +140,12 @@ impl LookupTable {
         self.outside
     }
 
+    /// What the rows say as mass functions, before discounting, in the order they were given; that of `outside` last.
+    #[must_use]
+    pub fn masses(&self) -> &[InterestMass] {
+        &self.masses
+    }
+
     /// Which row a reading falls in; none if it is outside all of them.
     #[must_use]
     pub fn row_of(&self, value: f32) -> Option<usize> {

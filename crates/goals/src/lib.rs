@@ -8,6 +8,7 @@ mod goal;
 pub mod lifecycle;
 mod manager;
 mod objective;
+mod price;
 mod prize;
 mod sequence;
 mod site;
@@ -25,6 +26,7 @@ pub use manager::{
     Revision, Selection, Shortlist, Survey, Tries, View, Weighed, Wish,
 };
 pub use objective::{Gains, Objective, Policy, Preferences, Prices, Served, UnknownPolicy};
+pub use price::{Choice, Known, Lever, MOST_PRIZE, Price, PriceTag, PrizeQuestion, price_tag};
 pub use prize::{PrizeMap, PrizeScale, UnknownPrize, prize_map, quantised};
 pub use sequence::{
     Candidate, Effort, End, Fade, GoalSequence, Limits, MAX_SEQUENCED, PrizeFront, Problem, Proof,

@@ -16,7 +16,7 @@ use crate::supply::Files;
 use crate::truth::{FileValues, LayerTruth, ReadingKind, SiteU, Values, site_u};
 
 /// The largest working map, cells a side: decisions on it take tens of times as long as on the usual 512.
-const MAX_WORKING_CELLS: usize = 4096;
+pub(crate) const MAX_WORKING_CELLS: usize = 4096;
 
 /// How far two radii of one body may be apart, relative: ellipsoids and spheres of Mars differ by half a per cent.
 const SAME_BODY: f64 = 0.01;

@@ -197,32 +197,35 @@ fn apply(change: &Override, mut item: &mut Item) -> Result<(), String> {
 }
 
 /// The largest length a mission may name, metres: far beyond any grid, far below overflow in cells.
-const FAR_M: f64 = 1e6;
+pub(crate) const FAR_M: f64 = 1e6;
 
 /// The largest cost of one operator, in seconds, joules or megabytes: sums of thousands stay exact enough to
 /// compare, and fit the integers the search counts milliseconds in.
-const MAX_COST: f64 = 1e9;
+pub(crate) const MAX_COST: f64 = 1e9;
 
 /// The widest footprint, in cells of radius: every cell's roughness is fitted over that many, squared.
 const MAX_FOOTPRINT_CELLS: f64 = 16.0;
 
 /// The most goals that may be known at once.
-const MAX_KNOWN: usize = 1000;
+pub(crate) const MAX_KNOWN: usize = 1000;
 
 /// The most sequences a family may hold.
-const MAX_FAMILY: usize = 100;
+pub(crate) const MAX_FAMILY: usize = 100;
 
 /// The most alternatives of one leg: each is a search of its own.
-const MAX_ALTERNATIVES: usize = 16;
+pub(crate) const MAX_ALTERNATIVES: usize = 16;
 
 /// The most plans of one order that a family may hold.
-const MAX_FRONT: usize = 1000;
+pub(crate) const MAX_FRONT: usize = 1000;
 
 /// The latest mission time a fault may speak of, seconds: some thirty thousand years, and sums of it stay finite.
-const LATEST_S: f64 = 1e12;
+pub(crate) const LATEST_S: f64 = 1e12;
+
+/// The highest price, in units of prize.
+pub(crate) const DEAR: f64 = 1e9;
 
 /// The most poses of one goal.
-const MAX_POSES: usize = 4;
+pub(crate) const MAX_POSES: usize = 4;
 
 /// Turns the shape of a file into a spec and a world.
 pub(crate) struct Reader<'a> {
@@ -756,7 +759,6 @@ impl Reader<'_> {
     }
 
     fn preferences(&self) -> Result<Preferences, MissionError> {
-        const DEAR: f64 = 1e9;
         let o = &self.file.objective;
         let number = |key: &str, value, high| self.within(&["objective", key], value, 0.0, high);
         Ok(Preferences {

@@ -162,6 +162,16 @@ impl World {
         self.grid
     }
 
+    /// What is known before the first look.
+    pub(crate) fn known_before(&self) -> &Prior {
+        &self.prior
+    }
+
+    /// A measured layer as it truly is; none if the mission measures none of that name.
+    pub(crate) fn layer_truth(&self, layer: &str) -> Option<&LayerTruth> {
+        self.truth.get(layer)
+    }
+
     /// The seed of its chance.
     #[must_use]
     pub fn seed(&self) -> u64 {

@@ -7,6 +7,7 @@
 use std::collections::BTreeMap;
 use std::fmt;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, de::Error};
 use wisdom_grid::{Cell, GridSpec, Raster, Window};
 
@@ -33,7 +34,7 @@ use crate::unit_noise;
 /// assert_eq!(layers["elevation"][Cell::new(5, 5)], 4.0);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-#[derive(Debug, Clone, PartialEq, Default, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Landscape {
     /// The plane that everything stands on.
@@ -81,45 +82,53 @@ impl fmt::Display for SceneLayer {
 }
 
 /// The plane that everything stands on.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Base {
     /// Elevation of the north-west cell, metres.
     #[serde(deserialize_with = "finite")]
+    #[schemars(range(min = -LARGEST, max = LARGEST))]
     pub elevation_m: f64,
     /// Rise to the east, rise over run.
     #[serde(deserialize_with = "finite")]
+    #[schemars(range(min = -LARGEST, max = LARGEST))]
     pub rise_east: f64,
     /// Rise to the north, rise over run.
     #[serde(deserialize_with = "finite")]
+    #[schemars(range(min = -LARGEST, max = LARGEST))]
     pub rise_north: f64,
     /// Texture class where no patch is.
     pub texture: u16,
     /// Temperature away from hot spots, in the mission's unit.
     #[serde(deserialize_with = "finite")]
+    #[schemars(range(min = -LARGEST, max = LARGEST))]
     pub temperature: f64,
 }
 
 /// Seeded fractal relief: octaves of smoothed lattice noise (Perlin, 1985, with values in place of gradients), each of half the wavelength.
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Roughness {
     /// Largest departure of the first octave from the plane, metres.
     #[serde(deserialize_with = "finite")]
+    #[schemars(range(min = -LARGEST, max = LARGEST))]
     pub amplitude_m: f64,
     /// Lattice spacing of the first octave, cells.
     #[serde(deserialize_with = "positive")]
+    #[schemars(range(max = LARGEST), extend("exclusiveMinimum" = 0.0))]
     pub wavelength_cells: f64,
     /// Number of octaves, up to 16.
     #[serde(deserialize_with = "octaves")]
+    #[schemars(range(max = 16))]
     pub octaves: u8,
     /// Amplitude of each octave relative to the one before.
     #[serde(deserialize_with = "finite")]
+    #[schemars(range(min = -LARGEST, max = LARGEST))]
     pub gain: f64,
 }
 
 /// An elliptic rock with a flat or domed top.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Rock {
     /// What a person calls it; not used in rendering.
@@ -127,39 +136,48 @@ pub struct Rock {
     pub name: String,
     /// Centre, `[col, row]`.
     #[serde(deserialize_with = "finites")]
+    #[schemars(inner(range(min = -LARGEST, max = LARGEST)))]
     pub centre: [f64; 2],
     /// Half-axes at the foot, cells: along the rock's own east and north.
     #[serde(rename = "half-axes", deserialize_with = "positives")]
+    #[schemars(inner(range(min = 0.0, max = LARGEST)))]
     pub half_axes: [f64; 2],
     /// How far the rock is turned, degrees clockwise from above.
     #[serde(default, deserialize_with = "finite")]
+    #[schemars(range(min = -LARGEST, max = LARGEST))]
     pub turned_deg: f64,
     /// Height of the top above the ground under it, metres.
     #[serde(deserialize_with = "finite")]
+    #[schemars(range(min = -LARGEST, max = LARGEST))]
     pub height_m: f64,
     /// How the wall rises from foot to top.
     pub wall: Wall,
     /// Breadth of the wall in plan, cells, measured on the shorter axis.
     #[serde(deserialize_with = "positive")]
+    #[schemars(range(max = LARGEST), extend("exclusiveMinimum" = 0.0))]
     pub wall_cells: f64,
 }
 
 /// A field of half-ellipsoid rocks over the whole scene, each placed and sized by the seed. Where two overlap, the
 /// higher one counts.
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Scatter {
     /// Rocks on a thousand cells, on average.
     #[serde(deserialize_with = "density")]
+    #[schemars(range(max = 1000.0), extend("exclusiveMinimum" = 0.0))]
     pub per_1000_cells: f64,
     /// Smallest and largest radius at the foot, cells.
     #[serde(deserialize_with = "radii")]
+    #[schemars(inner(range(min = 0.0, max = 100.0)))]
     pub radius_cells: [f64; 2],
     /// The number of rocks larger than r falls with r to minus this power.
     #[serde(deserialize_with = "positive")]
+    #[schemars(range(max = LARGEST), extend("exclusiveMinimum" = 0.0))]
     pub exponent: f64,
     /// Height of a rock, metres for each cell of its radius.
     #[serde(deserialize_with = "finite")]
+    #[schemars(range(min = -LARGEST, max = LARGEST))]
     pub height_m_per_cell: f64,
     /// Texture class of the rocks; that of the ground under them if none.
     #[serde(default)]
@@ -167,7 +185,7 @@ pub struct Scatter {
 }
 
 /// How a rock's wall rises from foot to top.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Wall {
     /// At one gradient, `height / breadth`.
@@ -179,43 +197,51 @@ pub enum Wall {
 }
 
 /// A bowl with a raised rim.
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Crater {
     /// Centre, `[col, row]`.
     #[serde(deserialize_with = "finites")]
+    #[schemars(inner(range(min = -LARGEST, max = LARGEST)))]
     pub centre: [f64; 2],
     /// Radius of the rim, cells.
     #[serde(deserialize_with = "positive")]
+    #[schemars(range(max = LARGEST), extend("exclusiveMinimum" = 0.0))]
     pub radius_cells: f64,
     /// Depth of the middle below the plane, metres.
     #[serde(deserialize_with = "finite")]
+    #[schemars(range(min = -LARGEST, max = LARGEST))]
     pub depth_m: f64,
     /// Height of the rim above the plane, metres; outside, it falls with the cube of the distance, as ejecta do (`McGetchin`, Settle and Head, 1973).
     #[serde(deserialize_with = "finite")]
+    #[schemars(range(min = -LARGEST, max = LARGEST))]
     pub rim_m: f64,
 }
 
 /// A straight ridge with rounded ends and an S-shaped flank.
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Ridge {
     /// One end of the crest, `[col, row]`.
     #[serde(deserialize_with = "finites")]
+    #[schemars(inner(range(min = -LARGEST, max = LARGEST)))]
     pub from: [f64; 2],
     /// The other end of the crest, `[col, row]`.
     #[serde(deserialize_with = "finites")]
+    #[schemars(inner(range(min = -LARGEST, max = LARGEST)))]
     pub to: [f64; 2],
     /// Distance from crest to foot, cells.
     #[serde(deserialize_with = "positive")]
+    #[schemars(range(max = LARGEST), extend("exclusiveMinimum" = 0.0))]
     pub half_width_cells: f64,
     /// Height of the crest, metres.
     #[serde(deserialize_with = "finite")]
+    #[schemars(range(min = -LARGEST, max = LARGEST))]
     pub height_m: f64,
 }
 
 /// Ground of one texture class.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Patch {
     /// The texture class.
@@ -225,65 +251,78 @@ pub struct Patch {
 }
 
 /// A figure in the plane, `[col, row]` and cells.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Shape {
     /// All between two corners, edges included.
     Rectangle {
         /// One corner, `[col, row]`.
         #[serde(deserialize_with = "finites")]
+        #[schemars(inner(range(min = -LARGEST, max = LARGEST)))]
         from: [f64; 2],
         /// The opposite corner, `[col, row]`.
         #[serde(deserialize_with = "finites")]
+        #[schemars(inner(range(min = -LARGEST, max = LARGEST)))]
         to: [f64; 2],
     },
     /// All within a radius.
     Disc {
         /// Centre, `[col, row]`.
         #[serde(deserialize_with = "finites")]
+        #[schemars(inner(range(min = -LARGEST, max = LARGEST)))]
         centre: [f64; 2],
         /// Radius, cells.
         #[serde(deserialize_with = "positive")]
+        #[schemars(range(max = LARGEST), extend("exclusiveMinimum" = 0.0))]
         radius_cells: f64,
     },
     /// The part of a disc on one side of a line through a point: the face of a rock turned one way.
     Face {
         /// Centre of the disc, `[col, row]`.
         #[serde(deserialize_with = "finites")]
+        #[schemars(inner(range(min = -LARGEST, max = LARGEST)))]
         centre: [f64; 2],
         /// Radius of the disc, cells.
         #[serde(deserialize_with = "positive")]
+        #[schemars(range(max = LARGEST), extend("exclusiveMinimum" = 0.0))]
         radius_cells: f64,
         /// The place the face is turned to, `[col, row]`.
         #[serde(deserialize_with = "finites")]
+        #[schemars(inner(range(min = -LARGEST, max = LARGEST)))]
         towards: [f64; 2],
         /// How far beyond the disc's centre the face ends, cells towards that place (negative: behind the centre).
         #[serde(deserialize_with = "finite")]
+        #[schemars(range(min = -LARGEST, max = LARGEST))]
         beyond_cells: f64,
     },
     /// All inside a closed line (even-odd).
     Polygon {
         /// The corners in turn, `[col, row]` each.
         #[serde(deserialize_with = "corners")]
+        #[schemars(length(min = 3))]
         corners: Vec<[f64; 2]>,
     },
 }
 
 /// A round warm place with a soft edge.
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct HotSpot {
     /// Centre, `[col, row]`.
     #[serde(deserialize_with = "finites")]
+    #[schemars(inner(range(min = -LARGEST, max = LARGEST)))]
     pub centre: [f64; 2],
     /// Radius at which the warmth ends, cells.
     #[serde(deserialize_with = "positive")]
+    #[schemars(range(max = LARGEST), extend("exclusiveMinimum" = 0.0))]
     pub radius_cells: f64,
     /// Breadth of the ring in which it fades, cells; inside the ring it is at its peak.
     #[serde(deserialize_with = "positive")]
+    #[schemars(range(max = LARGEST), extend("exclusiveMinimum" = 0.0))]
     pub edge_cells: f64,
     /// Temperature in the middle, in the mission's unit.
     #[serde(deserialize_with = "finite")]
+    #[schemars(range(min = -LARGEST, max = LARGEST))]
     pub peak: f64,
 }
 

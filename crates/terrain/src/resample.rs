@@ -32,7 +32,8 @@ pub enum Resampling {
 }
 
 impl Resampling {
-    const ALL: [Self; 4] = [Self::Nearest, Self::Bilinear, Self::Average, Self::Mode];
+    /// Every way, in the order of the documentation.
+    pub const ALL: [Self; 4] = [Self::Nearest, Self::Bilinear, Self::Average, Self::Mode];
 }
 
 impl fmt::Display for Resampling {

@@ -3,6 +3,7 @@
 mod risk;
 mod slip;
 
+use schemars::JsonSchema;
 use serde::Deserialize;
 
 use crate::PlannerError;
@@ -24,48 +25,67 @@ pub use slip::SlipClass;
 /// assert!((100.0 * vehicle.hazard_per_m(0.0, 0.0) - 0.01).abs() < 1e-12);
 /// # Ok::<(), wisdom_planner::PlannerError>(())
 /// ```
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case", default, deny_unknown_fields)]
 pub struct Vehicle {
     /// Steepest slope driven, degrees.
+    #[schemars(extend("exclusiveMinimum" = 0.0, "exclusiveMaximum" = 90.0))]
     pub slope_max_deg: f64,
     /// Highest step climbed, metres; see [`Vehicle::step_limit_m`].
+    #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 1e9))]
     pub step_max_m: f64,
     /// Roughest ground driven: root mean square residual from the plane under the rover, metres.
+    #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 1e9))]
     pub roughness_max_m: f64,
     /// Radius of the ground the rover stands on, metres.
+    #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 1e9))]
     pub footprint_radius_m: f64,
     /// l0: hazard rate of flat, certain ground, per metre.
+    #[schemars(range(min = 1e-12, max = 1e3))]
     pub hazard_floor_per_m: f64,
     /// k: the hazard rate grows by e^k from flat ground to ground at a limit.
+    #[schemars(range(min = 0.0, max = 20.0))]
     pub hazard_exponent: f64,
     /// `k_u`: share by which total uncertainty raises the hazard rate.
+    #[schemars(range(min = 0.0, max = 1e6))]
     pub hazard_uncertainty_gain: f64,
     /// Severity assumed of ground never seen, as a share of the limits.
+    #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 1.0))]
     pub unknown_severity: f64,
     /// a: slope, step and roughness are judged by the mean of their worst share 1 − a (conditional value at risk)
     /// over the uncertainty of the heights, in [0, 1); 0, the default, judges them as they read.
+    #[schemars(extend("minimum" = 0.0, "exclusiveMaximum" = 1.0))]
     pub risk_level: f64,
     /// Standard deviation of a height with u = 1, metres; with u it is u times that. Asked for by risk levels
     /// above 0 only.
+    #[schemars(range(min = 0.0, max = 1e9))]
     pub height_sigma_m: f64,
     /// Speed of the wheels, metres a second; slip is taken off it.
+    #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 1e9))]
     pub speed_m_s: f64,
     /// Mass, kilograms.
+    #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 1e9))]
     pub mass_kg: f64,
     /// Gravity, metres a second squared.
+    #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 1e9))]
     pub gravity_m_s2: f64,
     /// Rolling resistance, as a share of the weight.
+    #[schemars(range(min = 0.0, max = 1e9))]
     pub rolling_resistance: f64,
     /// Share of the electric energy of the drives that reaches the wheels.
+    #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 1.0))]
     pub drive_efficiency: f64,
     /// Power of everything but the drives, drawn for every second of driving, watts.
+    #[schemars(range(min = 0.0, max = 1e9))]
     pub hotel_power_w: f64,
     /// Slip on flat ground, as a share of the wheels' way.
+    #[schemars(extend("exclusiveMinimum" = 0.0, "exclusiveMaximum" = 1.0))]
     pub slip_base: f64,
     /// Growth rate of slip with the slope, per degree.
+    #[schemars(range(min = 0.0, max = 1e9))]
     pub slip_growth_per_deg: f64,
     /// Slip from which ground counts as blocked.
+    #[schemars(extend("exclusiveMinimum" = 0.0, "exclusiveMaximum" = 1.0))]
     pub slip_max: f64,
     /// Slip by terrain class, for ground judged with a layer of classes; classes not listed slip by `slip_base`
     /// and `slip_growth_per_deg`. None by default.

@@ -1,5 +1,6 @@
 //! How much the wheels slip, by slope and by what they roll on.
 
+use schemars::JsonSchema;
 use serde::Deserialize;
 
 use super::{BELOW_ONE, NOT_NEGATIVE, Vehicle};
@@ -19,7 +20,7 @@ const MOST_SURE_DEG: f64 = 89.0;
 
 /// Slip on the ground of one terrain class, in place of [`Vehicle::slip_base`] and
 /// [`Vehicle::slip_growth_per_deg`].
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub struct SlipClass {
     /// The class, as readings of the class layer give it.

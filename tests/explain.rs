@@ -1,0 +1,134 @@
+//! Why a goal was left out, and that its price brings it in: the budget raised by it, and the mission decided again.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use serde_json::Value;
+use wisdom_autonomy::{Autonomy, Decision, Observation, Spec};
+use wisdom_goals::{Action, GoalId};
+use wisdom_logbook::{Entry, LogReader, mission_of};
+
+fn wisdom(args: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_wisdom"));
+    command.current_dir(env!("CARGO_MANIFEST_DIR")).args(args);
+    command
+}
+
+fn done(output: &Output) -> String {
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{text}\n{errors}");
+    text
+}
+
+/// A run of the paper's scene with too little energy for its goals.
+fn tight_run(folder: &Path) -> PathBuf {
+    let log = folder.join("run.mcap");
+    let path = log.to_str().expect("UTF-8");
+    let tight = ["--set", "budget.energy-j=5e5", "--set", "goals.expansions=8000"];
+    let args = [&["run", "missions/paper", "--json", "--log", path], &tight[..]].concat();
+    done(&wisdom(&args).output().expect("the command runs"));
+    log
+}
+
+fn explained(log: &Path, more: &[&str]) -> Output {
+    let args = [&["explain", log.to_str().expect("UTF-8")], more].concat();
+    wisdom(&args).output().expect("the command runs")
+}
+
+/// The first decision of a log under another spec.
+fn first_decision(log: &LogReader, spec: Spec) -> Decision {
+    let mut rover = Autonomy::new(spec).expect("the spec is whole");
+    for entry in &log.entries {
+        match entry {
+            Entry::Observation(logged) => {
+                let observation = Observation::try_from(logged).expect("it was logged");
+                rover.observe(&observation).expect("it was observed before");
+            }
+            Entry::Decision(_) => return rover.decide().expect("a decision"),
+            Entry::Outcome(_) | Entry::Message(_) | Entry::Fault(_) => {}
+        }
+    }
+    panic!("the log holds no decision");
+}
+
+fn holds(decision: &Decision, goal: GoalId) -> bool {
+    decision.plan().sequence.goals().any(|id| id == goal)
+}
+
+#[test]
+fn a_budget_raised_by_the_price_brings_the_goal_in_and_less_does_not() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = tight_run(folder.path());
+    let told: Value =
+        serde_json::from_str(&done(&explained(&path, &["--decision", "0", "--json"])))
+            .expect("one JSON object");
+    let log = LogReader::open(&path).expect("a log");
+    let spec = mission_of(&log).expect("the mission inside loads").spec;
+    let before = first_decision(&log, spec.clone());
+    let left_out = told["left_out"].as_array().expect("goals");
+    let open = before.verdicts.iter().filter(|v| matches!(v.action, Action::Defer | Action::Drop));
+    assert_eq!(left_out.len(), open.count(), "every goal left out is told of");
+
+    let mut raised = 0;
+    for goal in left_out {
+        let id = GoalId(goal["goal"].as_str().expect("a name")[1..].parse().expect("a number"));
+        assert!(!holds(&before, id));
+        for lever in ["energy_j", "time_s", "reliability", "prize"] {
+            let price = &goal["price"][lever];
+            let found = price["least"].is_number() && price["confirmed"] == true;
+            assert!(found || price["nothing"].is_string(), "{id}, {lever}: {price}");
+        }
+        for lever in ["energy_j", "time_s"] {
+            let Some(price) = goal["price"][lever]["least"].as_f64() else { continue };
+            let decided = |change: f64| {
+                let mut spec = spec.clone();
+                let budget = &mut spec.budget;
+                *(if lever == "time_s" { &mut budget.time_s } else { &mut budget.energy_j }) +=
+                    change;
+                holds(&first_decision(&log, spec), id)
+            };
+            // The budget is counted before the reserve is taken off: the sums round otherwise.
+            assert!(decided(price * (1.0 + 1e-9)), "{id}: {price} more of {lever} is not enough");
+            assert!(!decided(0.99 * price), "{id}: less than {price} of {lever} is enough");
+            raised += 1;
+        }
+    }
+    assert!(raised >= 3, "only {raised} prices of budgets: {told}");
+}
+
+#[test]
+fn one_goal_is_explained_in_full_and_mistakes_are_named() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = tight_run(folder.path());
+    let log = LogReader::open(&path).expect("a log");
+    let spec = mission_of(&log).expect("the mission inside loads").spec;
+    let first = first_decision(&log, spec);
+    let kept = &first.shortlist.kept;
+    let out = kept.iter().find(|id| !holds(&first, **id)).expect("a goal was left out").to_string();
+    let within = first.plan().sequence.stops[0].goal.to_string();
+
+    let full = |threads: &str| {
+        let args = ["explain", path.to_str().expect("UTF-8"), "--decision", "0", "--why-not", &out];
+        done(&wisdom(&args).env("RAYON_NUM_THREADS", threads).output().expect("the command runs"))
+    };
+    let text = full("1");
+    for part in ["because    start", "chose", "energy", "floor", "pose  ", "with it", "displaces"] {
+        assert!(text.contains(part), "no `{part}` in\n{text}");
+    }
+    assert!(text.contains(&out) && text.contains("1 goals left out"), "{text}");
+    assert!(!text.contains("NOT CONFIRMED"), "{text}");
+    assert_eq!(text, full("3"), "the threads do not matter");
+
+    for (args, word) in [
+        (["--decision", "0", "--why-not", &within], "is in the sequence"),
+        (["--decision", "0", "--why-not", "G4000"], "nothing is said of G4000"),
+        (["--decision", "4000", "--why-not", "G0"], "no decision 4000"),
+        (["--decision", "0", "--why-not", "all"], "written G7 or 7"),
+    ] {
+        let output = explained(&path, &args);
+        assert_eq!(output.status.code(), Some(2), "{args:?}");
+        let errors = String::from_utf8_lossy(&output.stderr);
+        assert!(errors.contains(word), "{args:?}: {errors}");
+    }
+}
