@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use serde_json::json;
 use wisdom_autonomy::Source;
 use wisdom_goals::{Directive, Policy};
-use wisdom_mission::{Lint, Mission, Warning, lint};
+use wisdom_mission::{DecisionBound, Lint, Mission, Warning, lint};
 
 use crate::exit::FAILED;
 use crate::mission_args::MissionArgs;
@@ -60,6 +60,7 @@ pub(crate) fn run(args: &CheckArgs) -> anyhow::Result<ExitCode> {
                 .filter(|d| d.mandatory)
                 .map(|d| &d.name)
                 .collect::<Vec<_>>(),
+            "decisions_at_most": DecisionBound::of(&mission).decisions(),
             "remarks": remarks,
             "warnings": warnings.iter().map(json_of).collect::<Vec<_>>(),
         });
@@ -116,6 +117,12 @@ pub(crate) fn run(args: &CheckArgs) -> anyhow::Result<ExitCode> {
             urgency(directive)
         )?;
     }
+    writeln!(
+        out,
+        "  decisions   at most {}, by what each must cost; the mission's own limit is {}",
+        DecisionBound::of(&mission).decisions(),
+        mission.world.execution().max_decisions
+    )?;
     for remark in &remarks {
         writeln!(out, "  remark      {remark}")?;
     }

@@ -1,5 +1,6 @@
 #![doc = include_str!("../README.md")]
 
+mod bound;
 mod campaign;
 mod closed_loop;
 mod error;
@@ -16,6 +17,7 @@ mod supply;
 mod truth;
 mod world;
 
+pub use bound::DecisionBound;
 pub use campaign::{
     CampaignError, CampaignRun, Case, GoalRow, LegRow, MAX_RUNS, MAX_SEED, METRICS, Metric,
     PairedTable, Places, Plan, ROW_VERSION, Row, RowResult, RunRow, Variant, first_difference,

@@ -11,7 +11,8 @@ use wisdom_autonomy::{Act, Decision, Maps, Message, Observation, Outcome, Spent,
 use wisdom_belief::Rule;
 use wisdom_goals::{Action, Cause, FactSet, GoalId, Reason, Status};
 use wisdom_mission::{
-    FaultEvent, Mission, Override, Progress, RecordError, Recorder, RunStatus, RunSummary, run,
+    DecisionBound, FaultEvent, Mission, Override, Progress, RecordError, Recorder, RunStatus,
+    RunSummary, run,
 };
 use wisdom_planner::{Budget, validate};
 use wisdom_terrain::unit_noise;
@@ -651,4 +652,42 @@ fn more_ways_of_each_leg_are_worth_no_less() {
         assert!(chosen.sequence.rank(&option.sequence).is_le(), "{option:?}");
     }
     assert!(decision.family.iter().any(|o| o.sequence.stops.iter().any(|s| s.alternative > 0)));
+}
+
+/// Ground with steps that no map from orbit shows, instruments that never agree with themselves, and a rover that
+/// decides anew at the least change: it must end all the same, and sooner than what its decisions must cost allows.
+#[test]
+fn however_the_map_flickers_a_mission_ends_within_its_bound() {
+    let mut most = 0.0_f64;
+    for seed in 1..=6 {
+        let changes = [
+            ("seed = 1", format!("seed = {seed}")),
+            (
+                "name = \"elevation\"\nunit = \"m\"\nsigma = 0.1",
+                "name = \"elevation\"\nunit = \"m\"\nsigma = 0.6\nupdate = \"latest\"".to_owned(),
+            ),
+            (
+                "name = \"temperature\"\nsigma = 1.0",
+                "name = \"temperature\"\nsigma = 6.0\nupdate = \"latest\"".to_owned(),
+            ),
+            (
+                "kind = \"class\"\nclasses = [1, 2, 3, 4]",
+                "kind = \"class\"\nclasses = [1, 2, 3, 4]\nupdate = \"latest\"".to_owned(),
+            ),
+            ("[fallback]", "[triggers]\ninterest-change = 0.0\n\n[fallback]".to_owned()),
+        ];
+        let changes: Vec<(&str, &str)> = changes.iter().map(|(a, b)| (*a, b.as_str())).collect();
+        let mission = small::mission(small::LEVEL, &changes).expect("the mission is sound");
+        let bound = DecisionBound::of(&mission);
+        let mut memory = wisdom_mission::Memory::default();
+        let summary = run(&mission, &mut memory, &mut |_| true).expect("the run ends");
+        assert_ne!(summary.status, RunStatus::DecisionLimit, "seed {seed}");
+        assert!(u64::from(summary.decisions) <= bound.decisions(), "seed {seed}: {bound:?}");
+        most = most.max(f64::from(summary.decisions) / bound.decisions() as f64);
+        // Nothing is tried again without a reason: failures at one place end it.
+        let attempts = mission.spec.directives.iter().map(|d| d.max_attempts).max().unwrap_or(0);
+        let goals = memory.decisions.iter().flat_map(|d| &d.verdicts).map(|v| &v.goal);
+        assert!(goals.into_iter().all(|goal| goal.attempts <= attempts), "seed {seed}");
+    }
+    println!("at most {:.2} % of the bound", 100.0 * most);
 }
