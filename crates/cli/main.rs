@@ -7,6 +7,7 @@ mod combine;
 mod compare;
 mod exit;
 mod explain;
+mod export;
 mod figure;
 mod mission_args;
 mod paper;
@@ -49,6 +50,8 @@ enum Command {
     Campaign(campaign::CampaignArgs),
     /// Draw a map of a logged decision.
     Show(show::ShowArgs),
+    /// Hand a logged decision to other tools: PDDL for planners, DOT for drawings.
+    Export(export::ExportArgs),
     /// Check a mission without running it.
     Check(check::CheckArgs),
     // Without a doc comment, as above.
@@ -72,6 +75,7 @@ fn main() -> ExitCode {
         Command::Compare(args) => compare::run(&args),
         Command::Campaign(args) => campaign::run(&args),
         Command::Show(args) => show::run(&args),
+        Command::Export(args) => export::run(&args),
         Command::Check(args) => check::run(&args),
         Command::Schema(args) => schema::run(&args),
         Command::Rules(args) => rules::run(&args),

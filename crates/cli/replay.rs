@@ -117,14 +117,32 @@ pub(crate) fn trigger(trigger: &Trigger) -> String {
     parts.extend(trigger.goal.map(|g| format!("G{g}")));
     parts.extend(trigger.cell.as_ref().map(|c| format!("at {}", place(Some(c)))));
     if let (Some(before), Some(after)) = (trigger.before, trigger.after) {
-        parts.push(format!("prize {before:.3} -> {after:.3}"));
+        let what = if trigger.name == "conflict" { "contradiction" } else { "prize" };
+        parts.push(format!("{what} {before:.3} -> {after:.3}"));
     }
     parts.extend(trigger.prize.map(|p| format!("prize {p:.3}")));
     parts.extend(trigger.share.map(|s| format!("{:+.0} % of the leg's energy", s * 100.0)));
     if let (Some(reliability), Some(floor)) = (trigger.reliability, trigger.floor) {
         parts.push(format!("reliability {reliability:.3} under {floor:.3}"));
     }
+    parts.extend(trigger.seconds.map(|s| match trigger.name.as_str() {
+        "window-closing" => format!("{s:.0} s left"),
+        _ => format!("{s:.0} s after the last one"),
+    }));
+    parts.extend(trigger.message.map(|n| format!("by message {n}")));
     parts.join(" ")
+}
+
+/// Numbers compared, in words.
+fn terms(terms: &[record::Term]) -> String {
+    let told = terms.iter().map(|t| {
+        let value = t.value.map_or_else(|| "unbounded".to_owned(), |v| format!("{v:.3}"));
+        match t.limit {
+            Some(limit) => format!("{} {value} against {limit:.3}", t.name),
+            None => format!("{} {value}", t.name),
+        }
+    });
+    told.collect::<Vec<_>>().join(", ")
 }
 
 fn tell(out: &mut dyn Write, d: &Decision, full: bool) -> std::io::Result<()> {
@@ -152,39 +170,51 @@ fn tell(out: &mut dyn Write, d: &Decision, full: bool) -> std::io::Result<()> {
         state.facts.join(", ")
     )?;
     let choice = d.choice.clone().unwrap_or_default();
-    tell_goals(out, &choice.verdicts, full)?;
+    tell_goals(out, &choice, full)?;
     tell_choice(out, d, &choice, full)?;
     writeln!(out)
 }
 
-fn tell_goals(out: &mut dyn Write, verdicts: &[Verdict], full: bool) -> std::io::Result<()> {
+fn tell_goals(out: &mut dyn Write, choice: &record::Choice, full: bool) -> std::io::Result<()> {
+    let verdicts = &choice.verdicts;
     let deferred = verdicts.iter().filter(|v| v.action == "defer").count();
-    for verdict in verdicts.iter().filter(|v| full || v.action != "defer") {
+    for verdict in verdicts {
         let goal = verdict.goal.clone().unwrap_or_default();
-        let terms: Vec<String> = verdict
-            .terms
-            .iter()
-            .map(|t| {
-                let value = t.value.map_or_else(|| "unbounded".to_owned(), |v| format!("{v:.3}"));
-                match t.limit {
-                    Some(limit) => format!("{} {value} against {limit:.3}", t.name),
-                    None => format!("{} {value}", t.name),
-                }
-            })
-            .collect();
-        let other = verdict.other.map_or_else(String::new, |g| format!(" G{g}"));
-        writeln!(
-            out,
-            "  {:<8}   G{:<3} {} at {}: {}{other} ({}); {}",
-            verdict.action,
-            goal.id,
-            goal.directive_name,
-            place(goal.target.as_ref()),
-            verdict.reason,
-            verdict.cause,
-            terms.join(", ")
-        )?;
+        let told = full || verdict.action != "defer";
+        if told {
+            let other = verdict.other.map_or_else(String::new, |g| format!(" G{g}"));
+            writeln!(
+                out,
+                "  {:<8}   G{:<3} {} at {}: {}{other} ({}); {}",
+                verdict.action,
+                goal.id,
+                goal.directive_name,
+                place(goal.target.as_ref()),
+                verdict.reason,
+                verdict.cause,
+                terms(&verdict.terms)
+            )?;
+        }
+        // What the verdict itself says, and that a goal is new, need not be said twice.
+        let news = |c: &&record::Change| {
+            full || (c.transformation != "formulation"
+                && c.reason != "peak-moved"
+                && c.reason != verdict.reason)
+        };
+        for change in verdict.changes.iter().filter(news) {
+            let from = change.other.map_or_else(String::new, |g| format!(" G{g}"));
+            let record::Change { transformation, reason, .. } = change;
+            let numbers = terms(&change.terms);
+            writeln!(
+                out,
+                "    change   G{:<3} {transformation}: {reason}{from}; now {} at {}; {numbers}",
+                goal.id,
+                goal.directive_name,
+                place(goal.target.as_ref()),
+            )?;
+        }
         if full {
+            tell_life(out, goal.id, &choice.transitions)?;
             tell_evidence(out, &goal)?;
         }
     }
@@ -197,6 +227,22 @@ fn tell_goals(out: &mut dyn Write, verdicts: &[Verdict], full: bool) -> std::io:
         writeln!(out, "  defer      {deferred} goals: {}", told.join(", "))?;
     }
     Ok(())
+}
+
+/// The steps in a goal's life that a decision took.
+fn tell_life(
+    out: &mut dyn Write,
+    goal: u32,
+    transitions: &[record::Transition],
+) -> std::io::Result<()> {
+    let mut steps = transitions.iter().filter(|step| step.goal == goal).peekable();
+    let Some(first) = steps.peek() else { return Ok(()) };
+    let mut life = first.from.clone();
+    for step in steps {
+        let outcome = step.outcome.as_ref().map_or_else(String::new, |o| format!(" ({o})"));
+        life = format!("{life} > {}{outcome}", step.to);
+    }
+    writeln!(out, "                  life: {life}")
 }
 
 fn tell_evidence(out: &mut dyn Write, goal: &Goal) -> std::io::Result<()> {

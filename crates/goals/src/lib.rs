@@ -8,6 +8,7 @@ mod goal;
 pub mod lifecycle;
 mod manager;
 mod objective;
+mod pddl;
 mod price;
 mod prize;
 mod sequence;
@@ -16,7 +17,7 @@ mod strips;
 mod taxonomy;
 
 pub use approach::{Approach, poses, serves};
-pub use causal::{CausalGraph, PlanError};
+pub use causal::{CausalGraph, Link, PlanError, Step};
 pub use directive::{Directive, Kind, UnknownKind};
 pub use front::{PlanFront, plan_front};
 pub use goal::{Action, Cause, Change, Goal, GoalId, Order, Reason, Term, Transformation, Verdict};
@@ -26,6 +27,7 @@ pub use manager::{
     Revision, Selection, Shortlist, Survey, Tries, View, Weighed, Wish,
 };
 pub use objective::{Gains, Objective, Policy, Preferences, Prices, Served, UnknownPolicy};
+pub use pddl::{PDDL_UNITS, PddlError, PddlFiles, pddl};
 pub use price::{Choice, Known, Lever, MOST_PRIZE, Price, PriceTag, PrizeQuestion, price_tag};
 pub use prize::{PrizeMap, PrizeScale, UnknownPrize, prize_map, quantised};
 pub use sequence::{
@@ -34,6 +36,8 @@ pub use sequence::{
 };
 pub use site::{Extraction, MergeTree, Site, sites};
 pub use strips::{
-    DRIVE, Domain, DomainError, Expansion, FactSet, MAX_FACTS, Operator, OperatorText, ServiceCost,
+    DRIVE, Domain, DomainError, Expansion, FactSet, Ground, GroundError, GroundFault, GroundPlace,
+    Lifted, MAX_FACTS, MAX_GROUND, ObjectText, Operator, OperatorPart, OperatorText, SchemaText,
+    ServiceCost, TypeText,
 };
 pub use taxonomy::{Taxonomy, TaxonomyError};

@@ -94,6 +94,9 @@ pub(crate) struct MissionFile {
     /// Facts that hold when the mission starts. Default: none.
     #[serde(default)]
     pub facts: Vec<String>,
+    /// Objects that facts speak of. Default: none.
+    #[serde(default)]
+    pub object: Vec<ObjectFile>,
     /// STRIPS operators: what the rover can do; one is named `drive`.
     pub operator: Vec<OperatorFile>,
     /// The pool of directives that goals are made of.
@@ -513,12 +516,26 @@ impl Default for FallbackFile {
     }
 }
 
+/// An object that facts speak of.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+pub(crate) struct ObjectFile {
+    /// Its name.
+    pub name: String,
+    /// Its type.
+    #[serde(rename = "type")]
+    pub kind: String,
+}
+
 /// A STRIPS operator.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub(crate) struct OperatorFile {
     /// Its name, unique; `drive` is the one that moves the rover.
     pub name: String,
+    /// `?i - instrument`: the operator is one for each choice of objects. Default: none.
+    #[serde(default)]
+    pub parameters: Vec<String>,
     /// Facts that must hold before. Default: none.
     #[serde(default)]
     pub preconditions: Vec<String>,

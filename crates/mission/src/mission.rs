@@ -11,8 +11,9 @@ use wisdom_autonomy::{
 use wisdom_belief::{InterestMass, Opinion, ParadoxPolicy, Rule};
 use wisdom_fusion::{Band, Class, Expert, Fusion, FusionError, LookupTable, Rows, Statistic};
 use wisdom_goals::{
-    Directive, Domain, DomainError, Extraction, Fade, Kind, MAX_SEQUENCED, ManagerSpec,
-    OperatorText, Policy, Preferences, Prices, PrizeScale, ServiceCost, Taxonomy, TaxonomyError,
+    Directive, Domain, DomainError, Extraction, FactSet, Fade, GroundError, GroundPlace, Kind,
+    Lifted, MAX_SEQUENCED, ManagerSpec, ObjectText, OperatorPart, OperatorText, Policy,
+    Preferences, Prices, PrizeScale, SchemaText, ServiceCost, Taxonomy, TaxonomyError, TypeText,
     UnknownKind, Window as PlanWindow,
 };
 use wisdom_grid::{Cell, GridSpec};
@@ -227,6 +228,15 @@ pub(crate) const DEAR: f64 = 1e9;
 /// The most poses of one goal.
 pub(crate) const MAX_POSES: usize = 4;
 
+/// The set of facts with these names, which may name objects where the mission has some.
+fn facts_of(domain: &Domain, lifted: Option<&Lifted>, names: &[String]) -> Result<FactSet, String> {
+    let named = |name: &String| {
+        lifted.map_or_else(|| Ok(name.clone()), |l| l.fact(name).map_err(|e| e.to_string()))
+    };
+    let names = names.iter().map(named).collect::<Result<Vec<_>, _>>()?;
+    domain.set(&names).map_err(|e| e.to_string())
+}
+
 /// Turns the shape of a file into a spec and a world.
 pub(crate) struct Reader<'a> {
     /// What the mission's file is called in errors.
@@ -323,9 +333,10 @@ impl Reader<'_> {
             };
             self.error(&[key], e)
         })?;
-        let domain = self.domain()?;
+        let lifted = self.lifted()?;
+        let domain = self.domain(lifted.as_ref())?;
         let taxonomy = self.taxonomy()?;
-        let directives = self.directives(&domain, &experts, &taxonomy)?;
+        let directives = self.directives(&domain, lifted.as_ref(), &experts, &taxonomy)?;
         let manager = ManagerSpec { taxonomy, ..self.manager()? };
         let start = self.start(grid, &truth[ELEVATION])?;
         let vehicle = self.vehicle(files)?;
@@ -593,7 +604,7 @@ impl Reader<'_> {
         Ok(Expert { name: file.name, layer: file.layer, table })
     }
 
-    fn domain(&self) -> Result<Domain, MissionError> {
+    fn operators(&self) -> Result<Vec<OperatorText>, MissionError> {
         let operators: Vec<OperatorText> = self
             .file
             .operator
@@ -615,7 +626,80 @@ impl Reader<'_> {
                 self.within(&["operator", &index, key], value, 0.0, MAX_COST)?;
             }
         }
-        Domain::new(&operators, &self.file.facts).map_err(|e| {
+        Ok(operators)
+    }
+
+    /// The domain with its types; none where the mission has neither types nor objects nor parameters: there any text is
+    /// the name of a fact.
+    fn lifted(&self) -> Result<Option<Lifted>, MissionError> {
+        let file = self.file;
+        let is_flat = file.operator.iter().all(|o| o.parameters.is_empty());
+        if is_flat && file.object.is_empty() {
+            return Ok(None);
+        }
+        let types = file.types.iter().map(|t| {
+            let (name, parent) = (t.name.clone(), t.parent.clone());
+            TypeText { name, parent }
+        });
+        let objects =
+            file.object.iter().map(|o| ObjectText { name: o.name.clone(), kind: o.kind.clone() });
+        let schemas = self.operators()?.into_iter().zip(&file.operator);
+        let schemas = schemas.map(|(operator, of)| {
+            let parameters = of.parameters.clone();
+            SchemaText { parameters, operator }
+        });
+        let (types, objects): (Vec<_>, Vec<_>) = (types.collect(), objects.collect());
+        let schemas: Vec<_> = schemas.collect();
+        Lifted::new(&types, &objects, &file.facts, &schemas)
+            .map(Some)
+            .map_err(|error| self.not_ground(&error))
+    }
+
+    /// A mistake in a domain with types, shown where it stands.
+    fn not_ground(&self, error: &GroundError) -> MissionError {
+        let path = match error.place {
+            GroundPlace::Type(i) => ["type".into(), i.to_string(), "name".into()],
+            GroundPlace::Parent(i) => ["type".into(), i.to_string(), "parent".into()],
+            GroundPlace::Object(i) => ["object".into(), i.to_string(), "name".into()],
+            GroundPlace::Kind(i) => ["object".into(), i.to_string(), "type".into()],
+            GroundPlace::Fact(i) => ["facts".into(), i.to_string(), String::new()],
+            GroundPlace::Operator(i, part) => {
+                let key = match part {
+                    OperatorPart::Name => "name",
+                    OperatorPart::Parameters => "parameters",
+                    OperatorPart::Preconditions => "preconditions",
+                    OperatorPart::Adds => "adds",
+                    OperatorPart::Deletes => "deletes",
+                };
+                ["operator".into(), i.to_string(), key.into()]
+            }
+            _ => ["operator".into(), String::new(), String::new()],
+        };
+        let path: Vec<&str> = path.iter().map(String::as_str).filter(|k| !k.is_empty()).collect();
+        self.error(&path, &error.fault)
+    }
+
+    fn domain(&self, lifted: Option<&Lifted>) -> Result<Domain, MissionError> {
+        let Some(lifted) = lifted else {
+            let operators = self.operators()?;
+            let schema: Vec<usize> = (0..operators.len()).collect();
+            return self.grounded(&operators, &schema, &self.file.facts);
+        };
+        // Facts that no directive asks for need not be kept; one that is no fact is shown where directives are read.
+        let asked = self.file.directive.iter().flat_map(|d| d.achieves.iter().chain(&d.requires));
+        let asked: Vec<String> = asked.filter_map(|fact| lifted.fact(fact).ok()).collect();
+        let ground = lifted.ground(&asked).map_err(|error| self.not_ground(&error))?;
+        self.grounded(&ground.operators, &ground.schema, &ground.facts)
+    }
+
+    /// The domain of ground operators; `schema` tells for each the operator in the file.
+    fn grounded(
+        &self,
+        operators: &[OperatorText],
+        schema: &[usize],
+        facts: &[String],
+    ) -> Result<Domain, MissionError> {
+        Domain::new(operators, facts).map_err(|e| {
             let place = match &e {
                 DomainError::DuplicateOperator { name } => {
                     operators.iter().rposition(|o| o.name == *name).map(|i| (i, "name"))
@@ -627,7 +711,7 @@ impl Reader<'_> {
                 _ => None,
             };
             match place {
-                Some((i, key)) => self.error(&["operator", &i.to_string(), key], e),
+                Some((i, key)) => self.error(&["operator", &schema[i].to_string(), key], e),
                 None => self.error(&["operator", "0"], e),
             }
         })
@@ -636,6 +720,7 @@ impl Reader<'_> {
     fn directives(
         &self,
         domain: &Domain,
+        lifted: Option<&Lifted>,
         experts: &[Expert],
         taxonomy: &Taxonomy,
     ) -> Result<Vec<Directive>, MissionError> {
@@ -682,7 +767,10 @@ impl Reader<'_> {
             if substitute == Some(i) {
                 return Err(error("substitute", "a directive cannot stand in for itself".into()));
             }
-            let achieves = domain.set(&d.achieves).map_err(|e| error("achieves", e.to_string()))?;
+            let facts = |key: &'static str, names: &[String]| {
+                facts_of(domain, lifted, names).map_err(|message| error(key, message))
+            };
+            let achieves = facts("achieves", &d.achieves)?;
             if achieves == wisdom_goals::FactSet::EMPTY {
                 return Err(error("achieves", "a directive must want at least one fact".into()));
             }
@@ -727,7 +815,7 @@ impl Reader<'_> {
                 min_credit: number("min-credit", d.min_credit, 0.0, 1.0)?,
                 min_interest: number("min-interest", d.min_interest, 0.0, 1.0)?,
                 weight: number("weight", d.weight, 1e-6, 1e3)?,
-                requires: domain.set(&d.requires).map_err(|e| error("requires", e.to_string()))?,
+                requires: facts("requires", &d.requires)?,
                 achieves,
                 standoff_m: number("standoff-m", d.standoff_m, 0.0, 1e4)?,
                 max_attempts: self.counted(

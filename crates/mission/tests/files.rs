@@ -562,6 +562,8 @@ fn the_guide_to_mission_files_names_every_key() {
         "[objective]",
         "[triggers]",
         "[fallback]",
+        "[[type]]",
+        "[[object]]",
         "[[operator]]",
         "[[directive]]",
         "[execution]",

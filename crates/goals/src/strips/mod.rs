@@ -1,9 +1,15 @@
 //! The STRIPS state: facts, operators, and the small forward search that turns a goal into operators
 //! (Fikes & Nilsson 1971; the paper's reference 6).
 
+mod ground;
+mod search;
+
 use std::ops::AddAssign;
 
-use pathfinding::prelude::dijkstra;
+pub use ground::{
+    Ground, GroundError, GroundFault, GroundPlace, Lifted, MAX_GROUND, ObjectText, OperatorPart,
+    SchemaText, TypeText,
+};
 
 /// The most facts a domain may name: a state is one machine word.
 pub const MAX_FACTS: usize = 64;
@@ -295,55 +301,31 @@ impl Domain {
         Some(if operator == self.drive { after.without(wanted) } else { after })
     }
 
-    /// The cheapest operators (by time, then by their number) that lead from `facts`, through exactly one
-    /// drive, to a state where `wanted` holds; `None` if there are none.
+    /// The operators that lead from `facts`, through exactly one drive, to a state where `wanted` holds: those that take
+    /// the least time (each counted in whole milliseconds), among these the fewest, among these the first in the order of
+    /// their numbers; `None` if there are none.
     ///
     /// The facts wanted speak of the goal's own site, so what was true of them elsewhere does not count:
     /// the drive clears them.
+    ///
+    /// The search is A* (Hart, Nilsson and Raphael 1968) with the heuristic `h_max` (Bonet and Geffner 2001), which never
+    /// promises too much; the answer does not depend on it.
     ///
     /// # Panics
     /// Never: every step the search takes is an operator's.
     #[must_use]
     pub fn expand(&self, facts: FactSet, wanted: FactSet) -> Option<Expansion> {
-        let start = (facts, false);
-        let successors = |&(facts, driven): &(FactSet, bool)| {
-            let mut next = Vec::new();
-            for (index, operator) in self.operators.iter().enumerate() {
-                let drives = index == self.drive;
-                if drives && driven {
-                    continue;
-                }
-                if let Some(after) = self.step(facts, index, wanted) {
-                    let state = (after, driven || drives);
-                    if state != (facts, driven) {
-                        // Milliseconds, so that times compare as integers; +1 prefers fewer operators.
-                        next.push((state, (operator.cost.time_s * 1000.0) as u64 + 1));
-                    }
-                }
-            }
-            next
-        };
-        let done = |&(facts, driven): &(FactSet, bool)| driven && facts.contains(wanted);
-        let (states, _) = dijkstra(&start, successors, done)?;
-        let mut expansion = Expansion {
-            before: Vec::new(),
-            after: Vec::new(),
-            facts: states.last()?.0,
-            cost: ServiceCost::default(),
-        };
-        for pair in states.windows(2) {
-            let ((facts, driven), (after, drove)) = (pair[0], pair[1]);
-            let index = (0..self.operators.len())
-                .filter(|&i| (i == self.drive) == (drove && !driven))
-                .filter(|&i| self.step(facts, i, wanted) == Some(after))
-                .min_by_key(|&i| ((self.operators[i].cost.time_s * 1000.0) as u64, i))
-                .expect("the search stepped by an operator");
-            expansion.cost += self.operators[index].cost;
-            if index != self.drive {
-                if driven { expansion.after.push(index) } else { expansion.before.push(index) }
-            }
+        search::expand(self, facts, wanted, search::Heuristic::Max).0
+    }
+
+    /// The same operators under other costs; with the same times every expansion stays what it is.
+    /// `cost` is told each operator's number and time.
+    pub(crate) fn costed(&self, cost: impl Fn(usize, f64) -> ServiceCost) -> Self {
+        let mut domain = self.clone();
+        for (index, operator) in domain.operators.iter_mut().enumerate() {
+            operator.cost = cost(index, operator.cost.time_s);
         }
-        Some(expansion)
+        domain
     }
 }
 
