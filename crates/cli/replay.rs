@@ -4,7 +4,7 @@ use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use wisdom_logbook::record::{self, Decision, Goal, Outcome, Sequence, Trigger, Verdict};
+use wisdom_logbook::record::{self, Decision, Goal, Outcome, Sequence, Trigger};
 use wisdom_logbook::{Entry, LogReader};
 
 use crate::exit::InputError;

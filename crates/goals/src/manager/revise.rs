@@ -433,8 +433,7 @@ impl GoalManager {
         goal.prominence = site.prominence;
         goal.region_cells = site.region.len();
         goal.extent = extent(site);
-        if self.weigh_anew(id, survey, revision) {
-            self.settle(id, survey, revision);
+        if self.weigh_anew(id, survey, revision) && !self.settle(id, survey, revision) {
             self.reclassify(id, survey, revision);
         }
     }
@@ -481,8 +480,7 @@ impl GoalManager {
         let goal = &self.state.goals[&id];
         let (prize, floor) = (self.prize_at(goal, survey), goal.prize / 2.0);
         if goal.status().is_committed() && prize >= floor && prize > 0.0 {
-            if self.weigh_anew(id, survey, revision) {
-                self.settle(id, survey, revision);
+            if self.weigh_anew(id, survey, revision) && !self.settle(id, survey, revision) {
                 self.reclassify(id, survey, revision);
             }
             return;
@@ -555,14 +553,16 @@ impl GoalManager {
         false
     }
 
-    /// Ends an adjudication whose readings have become much surer: whatever the experts say now, they have seen it.
-    fn settle(&mut self, id: GoalId, survey: &Survey<'_>, revision: &mut Revision) {
+    /// Ends an adjudication whose readings have become much surer: whatever the experts say now, they have seen it. Says
+    /// whether it did.
+    fn settle(&mut self, id: GoalId, survey: &Survey<'_>, revision: &mut Revision) -> bool {
         let goal = &self.state.goals[&id];
         if self.directives[goal.directive].kind != Kind::Adjudicate || goal.order.is_some() {
-            return;
+            return false;
         }
         let (doubt, limit) = ((survey.doubt)(goal.target), SETTLED_SHARE * goal.doubt);
-        if doubt < limit {
+        let settled = doubt < limit;
+        if settled {
             let terms = vec![
                 Term::against("uncertainty", doubt, limit),
                 Term::of("contradiction", goal.contradiction),
@@ -570,6 +570,7 @@ impl GoalManager {
             self.end(id, Ending::drop(Reason::Settled, terms, None), survey, revision);
             self.retire(id, self.spec.identity_radius_m, Reason::Settled, survey, revision);
         }
+        settled
     }
 
     /// The type of the object at a cell, as far as its class is clear.
