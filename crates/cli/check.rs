@@ -222,7 +222,13 @@ fn remarks(mission: &Mission) -> Vec<String> {
     }
     for layer in &mission.spec.layers {
         let seen = mission.world.instruments().iter().any(|i| i.layers.contains(&layer.name));
-        if matches!(layer.source, Source::Measured(_)) && !seen {
+        let readings = &mission.world.execution().readings;
+        let handed_in = readings.iter().any(|reading| reading.layer == layer.name);
+        if mission.world.is_handed_in(&layer.name) {
+            if !handed_in {
+                remarks.push(format!("layer `{}`: no reading of it is handed in", layer.name));
+            }
+        } else if matches!(layer.source, Source::Measured(_)) && !seen && !handed_in {
             remarks.push(format!("layer `{}`: no instrument reads it", layer.name));
         }
     }

@@ -1,4 +1,4 @@
-//! The core itself: observe, decide, report.
+//! The core itself: observe, hear, decide, report.
 
 use wisdom_fusion::credit;
 use wisdom_goals::{
@@ -46,6 +46,10 @@ pub struct Autonomy {
     travel: TravelCache,
     manager: GoalManager,
     facts: FactSet,
+    /// Facts added and deleted by messages while a step was carried out: its operators were begun before.
+    told: Vec<(FactSet, FactSet)>,
+    /// Whether a step is being carried out.
+    acting: bool,
     pose: Pose,
     spent: Spent,
     observations: u32,
@@ -109,6 +113,8 @@ impl Autonomy {
             travel: TravelCache::new(),
             manager,
             facts,
+            told: Vec::new(),
+            acting: false,
             pose,
             spent: Spent::default(),
             observations: 0,
@@ -265,7 +271,10 @@ impl Autonomy {
                     self.spec.domain.set(names).map_err(|error| wrong(error.to_string()))
                 };
                 let (adds, deletes) = (set(adds)?, set(deletes)?);
-                self.facts = self.facts.without(deletes).with(adds);
+                self.told.push((adds, deletes));
+                if !self.acting {
+                    self.take_in_told();
+                }
                 self.trigger(Trigger::Facts { number });
             }
         }
@@ -284,6 +293,8 @@ impl Autonomy {
         }
         self.check_cell(outcome.pose.cell)?;
         self.facts = self.carried_out(outcome)?;
+        self.take_in_told();
+        self.acting = false;
         self.pose = outcome.pose;
         self.spent = outcome.spent;
         self.derive_maps(None, &mut |_| {})?;
@@ -340,12 +351,21 @@ impl Autonomy {
         decision
     }
 
+    /// What messages said of the facts holds from now on.
+    fn take_in_told(&mut self) {
+        for (adds, deletes) in std::mem::take(&mut self.told) {
+            self.facts = self.facts.without(deletes).with(adds);
+        }
+    }
+
     fn deliberate(&mut self, maps: &Maps, watch: Watch<'_>) -> Result<Decision, AutonomyError> {
+        self.take_in_told();
         let state = self.state();
         let triggers = std::mem::take(&mut self.triggers);
         let map_changed = self.knowledge.version() != self.decided_version;
         let credit_at = |cell: Cell| credit(&maps.evidence, &self.spec.fusion, cell);
         let ground_at = |cell: Cell| maps.local_ground(self.spec.grid, cell, LOCAL_GROUND);
+        let heard_at = |cell: Cell| maps.heard(&self.spec, cell);
         let doubt_at = |cell: Cell| maps.doubt(&self.spec, cell);
         let class_at = |cell: Cell| maps.class(&self.spec, cell);
         let able = |directive: usize| {
@@ -369,6 +389,7 @@ impl Autonomy {
             paradox: &maps.interest.paradox,
             contradiction: &maps.interest.contradiction,
             credit: &credit_at,
+            heard: &heard_at,
             doubt: &doubt_at,
             class: &class_at,
             able: &able,
@@ -431,6 +452,7 @@ impl Autonomy {
             transitions.extend(self.manager.dispatch(*goal));
         }
         self.embark(&act, &family[chosen], maps);
+        self.acting = !matches!(act, Act::Wait { .. });
         watch(Stage::Family);
 
         let digests = Digests {
@@ -596,18 +618,17 @@ impl Autonomy {
         let spacing = self.spec.grid.spacing_m();
         let radius_m = self.manager.spec().identity_radius_m;
         let extraction = &self.manager.spec().extraction;
-        let known = |cell: Cell| {
+        let near_goal = |cell: Cell| {
             state.goals.values().any(|g| g.target.distance(cell) * spacing <= radius_m)
-                || state
-                    .retired
-                    .iter()
-                    .filter(|r| r.closed && r.kind.closes(Kind::Inspect))
-                    .any(|r| r.target.distance(cell) * spacing <= r.radius_m)
+        };
+        let speaks = |cell: Cell| {
+            let shares = credit(&maps.evidence, &self.spec.fusion, cell);
+            (f64::from(maps.interest.interest[cell]), shares)
         };
         let new = maps.sites.iter().find(|site| {
             site.prominence >= extraction.min_prominence
-                && !known(site.peak)
-                && self.manager.explained_by(site, Kind::Inspect, spacing).is_none()
+                && !near_goal(site.peak)
+                && self.manager.explained_by(site, Kind::Inspect, spacing, &speaks).is_none()
                 && self
                     .weight_of(maps, site.peak)
                     .is_some_and(|weight| weight * site.prize >= least || least.is_infinite())
@@ -800,8 +821,7 @@ impl Autonomy {
             return (Act::Look { route, ignorance }, cost);
         }
         if self.idle_looks < fallback.max_looks
-            && let Some((vantage, ignorance)) = self.vantage(maps, reach)
-            && let Some(route) = reach.route(vantage).filter(safe)
+            && let Some((route, ignorance)) = self.vantage(maps, reach, limits, &safe)
         {
             let cost = route.cost;
             return (Act::Look { route, ignorance }, cost);
@@ -835,10 +855,18 @@ impl Autonomy {
         (mean >= fallback.min_ignorance).then_some(ignorance)
     }
 
-    /// The reachable cell from which the most ignorance lies in range, times the chance of getting there.
-    fn vantage(&self, maps: &Maps, reach: &Field<'_>) -> Option<(Cell, f64)> {
+    /// The way to the cell from which the most ignorance lies in range, times the chance of getting there, of those that what
+    /// is left can pay for.
+    fn vantage(
+        &self,
+        maps: &Maps,
+        reach: &Field<'_>,
+        limits: &Limits,
+        safe: &dyn Fn(&Route) -> bool,
+    ) -> Option<(Route, f64)> {
         let fallback = &self.spec.fallback;
-        let radius = (fallback.look_range_m / self.spec.grid.spacing_m()) as usize;
+        let spacing_m = self.spec.grid.spacing_m();
+        let radius = (fallback.look_range_m / spacing_m) as usize;
         let spec = maps.interest.ignorance.spec();
         let (rows, cols, first) = (spec.rows(), spec.cols(), spec.first());
         // Summed areas: the ignorance of any window in four look-ups.
@@ -850,8 +878,16 @@ impl Autonomy {
                 sums[(row + 1) * (cols + 1) + col + 1] = sums[row * (cols + 1) + col + 1] + line;
             }
         }
-        let mut best: Option<(f64, Cell, f64)> = None;
-        for cell in spec.cells() {
+        // No way there is cheaper than a straight one on level ground without slip.
+        let affordable = |cell: Cell| {
+            let length_m = self.pose.cell.distance(cell) * spacing_m;
+            let least = self.spec.vehicle.drive_slipping(length_m, 0.0, 0.0);
+            least.is_some_and(|(time_s, energy_j)| {
+                time_s <= limits.time_s && energy_j <= limits.energy_j
+            })
+        };
+        let mut worth: Vec<(f64, Cell, f64)> = Vec::new();
+        for cell in spec.cells().filter(|cell| *cell != self.pose.cell) {
             let Some(neg_ln_r) = reach.neg_ln_r(cell) else { continue };
             let w = spec.around(cell, radius);
             let at =
@@ -860,13 +896,15 @@ impl Autonomy {
                 - at(w.row, w.col + w.cols)
                 - at(w.row + w.rows, w.col)
                 + at(w.row, w.col);
-            let worth = ignorance / (w.rows * w.cols) as f64 >= fallback.min_ignorance;
-            let score = ignorance * libm::exp(-neg_ln_r);
-            if worth && cell != self.pose.cell && best.is_none_or(|(top, _, _)| score > top) {
-                best = Some((score, cell, ignorance));
+            let mean = ignorance / (w.rows * w.cols) as f64;
+            if mean >= fallback.min_ignorance && affordable(cell) {
+                worth.push((ignorance * libm::exp(-neg_ln_r), cell, ignorance));
             }
         }
-        best.map(|(_, cell, ignorance)| (cell, ignorance))
+        worth.sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+        worth.into_iter().find_map(|(_, cell, ignorance)| {
+            Some((reach.route(cell).filter(|route| safe(route))?, ignorance))
+        })
     }
 
     /// Remembers the leg that is about to be driven.

@@ -173,7 +173,8 @@ impl fmt::Display for Trigger {
         match self {
             Self::Start | Self::Arrived | Self::Stopped => f.write_str(self.name()),
             Self::GoalEnded(goal) | Self::LegFailed(goal) => write!(f, "{} ({goal})", self.name()),
-            Self::InterestChanged { goal, before, after } => {
+            Self::InterestChanged { goal, before, after }
+            | Self::Conflict { goal, before, after } => {
                 write!(f, "{} ({goal}: {before:.3} -> {after:.3})", self.name())
             }
             Self::NewCandidate { cell, prize } => {
@@ -188,9 +189,6 @@ impl fmt::Display for Trigger {
             }
             Self::WindowClosing { goal, left_s } => {
                 write!(f, "{} ({goal}: {left_s:.0} s left)", self.name())
-            }
-            Self::Conflict { goal, before, after } => {
-                write!(f, "{} ({goal}: {before:.3} -> {after:.3})", self.name())
             }
             Self::Command { number } | Self::Facts { number } => {
                 write!(f, "{} (message {number})", self.name())

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use rayon::prelude::*;
-use wisdom_fusion::{Evidence, InterestMap, interest_map, judge};
+use wisdom_fusion::{Evidence, Expert, InterestMap, interest_map, judge};
 use wisdom_goals::{Extraction, Kind, MergeTree, PrizeMap, PrizeScale, Site, prize_map, sites};
 use wisdom_grid::{Cell, GridSpec, Raster, Window};
 use wisdom_planner::{Ground, Traversability};
@@ -263,6 +263,13 @@ impl Maps {
             [u8::from(blocked[i]), a, b, c, d]
         });
         digest.finish()
+    }
+
+    /// The experts that have read anything in a cell, a bit each; of more than 64 the last bit stands for the rest.
+    pub(crate) fn heard(&self, spec: &Spec, cell: Cell) -> u64 {
+        let read = |expert: &Expert| self.layers[&expert.layer].u(cell) < 1.0;
+        let bits = spec.experts.iter().enumerate().filter(|(_, expert)| read(expert));
+        bits.fold(0, |heard, (bit, _)| heard | 1 << bit.min(63))
     }
 
     /// Sum of the uncertainties of what the experts read in a cell.

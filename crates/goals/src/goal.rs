@@ -46,7 +46,7 @@ pub struct Goal {
     pub ignorance: f64,
     /// Paradox m(I ∩ NI) at the target.
     pub paradox: f64,
-    /// Contradiction at the target: the largest m_a(I)·m_b(NI) over pairs of experts.
+    /// Contradiction at the target: the largest `m_a(I)·m_b(NI)` over pairs of experts.
     pub contradiction: f64,
     /// Share of each expert in the interest; sums to one, or all zero where there is no interest.
     pub credit: Vec<f64>,
@@ -106,10 +106,12 @@ named! {
     Reason {
         /// A maximum that no known goal explains.
         NewMaximum = "new-maximum",
-        /// A maximum that was part of another goal's.
+        /// A maximum that was part of another goal's, or what is left of one whose goal was done.
         Split = "split",
         /// A ground command wants it.
         Commanded = "commanded",
+        /// An expert speaks of a place that had said nothing when a goal was done there.
+        NewEvidence = "new-evidence",
         /// A place given up before, on trial again because its ground changed.
         Reopened = "reopened",
         /// A known goal that the best sequence now contains.
@@ -118,6 +120,8 @@ named! {
         Unchanged = "unchanged",
         /// Its maximum moved to another cell.
         PeakMoved = "peak-moved",
+        /// A heavier directive looks for what it turned out to be.
+        Refined = "refined",
         /// It follows a weaker directive after a failed try.
         Eroded = "eroded",
         /// It follows a weaker directive because the stronger one no longer fits what is left.
@@ -221,10 +225,15 @@ impl Transformation {
     pub fn of(action: Action, reason: Reason) -> Self {
         match (action, reason) {
             (Action::Drop | Action::Achieve, _) => Self::Retraction,
-            (_, Reason::NewMaximum | Reason::Split | Reason::Commanded | Reason::Reopened) => {
-                Self::Formulation
-            }
-            (_, Reason::PeakMoved) => Self::Specialization,
+            (
+                _,
+                Reason::NewMaximum
+                | Reason::Split
+                | Reason::Commanded
+                | Reason::NewEvidence
+                | Reason::Reopened,
+            ) => Self::Formulation,
+            (_, Reason::PeakMoved | Reason::Refined) => Self::Specialization,
             (_, Reason::Generalised) => Self::Generalization,
             (_, Reason::Abstracted) => Self::Abstraction,
             (_, Reason::Concretised) => Self::Concretion,

@@ -137,6 +137,7 @@ impl Rig {
             paradox: &none,
             contradiction: &none,
             credit: &|_| vec![1.0],
+            heard: &|_| 1,
             doubt: &|_| 0.0,
             class: &|_| None,
             able: &|_| true,

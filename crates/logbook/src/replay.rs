@@ -1,4 +1,4 @@
-//! A log fed back to the core: the second client of the same three functions that a run calls.
+//! A log fed back to the core: the second client of the same four functions that a run calls.
 
 use std::collections::BTreeMap;
 use std::path::Path;

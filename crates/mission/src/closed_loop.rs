@@ -203,6 +203,7 @@ pub fn run(
         observations: 0,
         looks: 0,
         last_look: None,
+        handed_in: 0,
         operators: 0,
         expected: mission.world.execution().commands.clone(),
         messages: 0,
@@ -250,6 +251,8 @@ struct Simulation<'a> {
     observations: u32,
     looks: u32,
     last_look: Option<Cell>,
+    /// Readings handed over so far.
+    handed_in: usize,
     operators: u32,
     /// Messages to come, by mission time.
     expected: Vec<(f64, Word)>,
@@ -296,6 +299,7 @@ impl Simulation<'_> {
             self.recorder.outcome(&outcome)?;
             self.rover.report(&outcome)?;
             self.chart()?;
+            self.hand_in()?;
             if self.is_spent() {
                 // The budget is gone: one last decision says what became of the goals, and the rover waits.
                 self.decide()?;
@@ -384,8 +388,22 @@ impl Simulation<'_> {
         if prior.is_empty() && !begins { Ok(()) } else { self.observe(prior) }
     }
 
-    /// A look with all instruments, unless the last one was from here.
+    /// Hands over the readings whose time has come.
+    fn hand_in(&mut self) -> Result<(), RunError> {
+        let world = &self.mission.world;
+        let waiting = &world.execution().readings[self.handed_in..];
+        let due = waiting.iter().take_while(|reading| reading.at_s <= self.spent.time_s);
+        let windows: Vec<_> = due.map(|reading| reading.window(world.grid())).collect();
+        if windows.is_empty() {
+            return Ok(());
+        }
+        self.handed_in += windows.len();
+        self.observe(windows)
+    }
+
+    /// A look with all instruments, unless the last one was from here. What is handed in by then comes first.
     fn look(&mut self) -> Result<(), RunError> {
+        self.hand_in()?;
         if self.last_look == Some(self.pose.cell) || self.mission.world.instruments().is_empty() {
             return Ok(());
         }
@@ -437,13 +455,16 @@ impl Simulation<'_> {
         // Of faults only those wake it that it is told of; when others strike nobody knows.
         let told = self.faults.next_told_s();
         let word = self.expected.first().map(|(due_s, _)| *due_s);
-        let next = [window, told, word].into_iter().flatten().min_by(f64::total_cmp);
+        let readings = &self.mission.world.execution().readings;
+        let reading = readings.get(self.handed_in).map(|reading| reading.at_s);
+        let next = [window, told, word, reading].into_iter().flatten().min_by(f64::total_cmp);
         let Some(next) = next.filter(|&next| next < self.mission.spec.budget.time_s) else {
             return Ok(false);
         };
         self.spent.time_s = self.spent.time_s.max(next);
         self.strike()?;
         self.observe(Vec::new())?;
+        self.hand_in()?;
         Ok(true)
     }
 

@@ -108,6 +108,9 @@ pub(crate) struct MissionFile {
     /// What may break. Default: nothing.
     #[serde(default)]
     pub fault: Vec<FaultFile>,
+    /// Readings handed in while the mission goes on. Default: none.
+    #[serde(default)]
+    pub reading: Vec<ReadingFile>,
 }
 
 fn one() -> u64 {
@@ -189,6 +192,9 @@ pub(crate) struct LayerFile {
     pub uncertainty_file: Option<String>,
     /// What it is derived as from the elevation. Default: it is measured.
     pub derived: Option<DerivedName>,
+    /// Whether all that is ever known of it is handed in. Default: false.
+    #[serde(default)]
+    pub handed_in: bool,
     /// Whether readings are quantities or classes. Default: `scalar`.
     pub kind: Option<Kind>,
     /// What becomes of a second reading of a cell. Default: `best`.
@@ -785,6 +791,28 @@ pub(crate) struct FaultFile {
     pub delay_s: Option<f64>,
     /// For `facts-lost`, which needs it: the facts that cease to hold while it lasts.
     pub facts: Option<Vec<String>>,
+}
+
+/// A reading that is handed in.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+pub(crate) struct ReadingFile {
+    /// The layer read.
+    pub layer: String,
+    /// The cell, [row, col].
+    pub cell: Vec<usize>,
+    /// What was read, in the layer's unit.
+    pub value: f64,
+    /// Its uncertainty.
+    #[schemars(range(min = 0.0, max = 0.999))]
+    pub u: f64,
+    /// Cells nearer than this get the reading too, the further the less certain, metres. Default: 0.
+    #[serde(default)]
+    #[schemars(range(min = 0.0))]
+    pub radius_m: f64,
+    /// When it is handed in, mission time in seconds.
+    #[schemars(range(min = 0.0))]
+    pub at_s: f64,
 }
 
 /// An expert's table.

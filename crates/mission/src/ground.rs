@@ -97,6 +97,9 @@ impl Reader<'_> {
             far(&["instrument", &i.to_string(), "range-m"], instrument.range_m)?;
         }
         far(&["execution", "hazard-camera-m"], self.file.execution.hazard_camera_m)?;
+        for (i, reading) in self.file.reading.iter().enumerate() {
+            far(&["reading", &i.to_string(), "radius-m"], reading.radius_m)?;
+        }
         if self.file.prior.uncertainty.values().any(|how| matches!(how, FirstLookU::Sight(_))) {
             let message =
                 "a first look by sight covers the whole ground, a working map a part of it";
@@ -119,6 +122,9 @@ impl Reader<'_> {
             };
             if self.file.layer[..i].iter().any(|earlier| earlier.name == layer.name) {
                 return Err(fault("name", &format!("layer `{}` is given twice", layer.name)));
+            }
+            if layer.handed_in {
+                only_handed_in(layer, &fault)?;
             }
             if layer.derived.is_some() {
                 only_derived(layer, &fault)?;
@@ -159,10 +165,12 @@ impl Reader<'_> {
                     let source = fitted(layer, source, (*grid, crs.as_ref()), ("file", &fault))?;
                     of_file(source, &layer.name).map_err(|e| fault("file", &e))?
                 }
+                None if layer.handed_in => Values::HandedIn,
                 None => self.of_scene(layer, scene.as_ref(), &fault)?,
             };
             let (grid, crs) = first.as_ref().ok_or_else(|| nothing(layer, None, &fault))?;
             if let (None, Some(scene)) = (&layer.file, &scene)
+                && !layer.handed_in
                 && scene.grid != *grid
             {
                 return Err(other_grid(layer, scene.grid, *grid, ("name", &fault)));
@@ -292,6 +300,31 @@ fn only_derived(layer: &LayerFile, fault: Fault<'_>) -> Result<(), MissionError>
     match of_measured.into_iter().find(|(_, given)| *given) {
         Some((key, _)) => {
             let message = format!("`{}` is derived; only measured layers take this", layer.name);
+            Err(fault(key, &message))
+        }
+        None => Ok(()),
+    }
+}
+
+/// What a layer must not say whose readings are all handed in.
+fn only_handed_in(layer: &LayerFile, fault: Fault<'_>) -> Result<(), MissionError> {
+    if layer.name == ELEVATION {
+        let message = format!("routes need an `{ELEVATION}` that the ground truly has");
+        return Err(fault("handed-in", &message));
+    }
+    let of_true_values = [
+        ("file", layer.file.is_some()),
+        ("uncertainty-file", layer.uncertainty_file.is_some()),
+        ("derived", layer.derived.is_some()),
+        ("sigma", layer.sigma.is_some()),
+        ("resample", layer.resample.is_some()),
+    ];
+    match of_true_values.into_iter().find(|(_, given)| *given) {
+        Some((key, _)) => {
+            let message = format!(
+                "`{}` is handed in; nothing else is known of it, so it takes no `{key}`",
+                layer.name
+            );
             Err(fault(key, &message))
         }
         None => Ok(()),

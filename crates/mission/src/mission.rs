@@ -251,7 +251,13 @@ impl Reader<'_> {
     }
 
     /// A number that must lie in a range.
-    fn within(&self, path: &[&str], value: f64, low: f64, high: f64) -> Result<f64, MissionError> {
+    pub(crate) fn within(
+        &self,
+        path: &[&str],
+        value: f64,
+        low: f64,
+        high: f64,
+    ) -> Result<f64, MissionError> {
         if value.is_finite() && value >= low && value <= high {
             return Ok(value);
         }
@@ -354,6 +360,7 @@ impl Reader<'_> {
             return Err(self.error(&["class-layer"], message));
         }
         let instruments = self.instruments(&layers)?;
+        let readings = self.readings(grid, &layers, &truth)?;
         vehicle.validate().map_err(|e| match &e {
             PlannerError::Vehicle { field, .. } => self.error(&["rover", "vehicle", field], &e),
             PlannerError::SlipClass { class, .. }
@@ -489,6 +496,7 @@ impl Reader<'_> {
                 slip_layer: spec.slip_layer.clone(),
                 faults: self.faults(&spec.domain)?,
                 commands: self.commands(&spec)?,
+                readings,
             },
             file.terrain
                 .body_radius_m
@@ -933,6 +941,10 @@ impl Reader<'_> {
                 self.within(&["instrument", &index, key], value, low, high)
             };
             for name in &file.layers {
+                if self.is_handed_in(name) {
+                    let message = format!("`{name}` is handed in; no instrument reads it");
+                    return Err(self.error(&["instrument", &index, "layers"], message));
+                }
                 let measured = layers
                     .iter()
                     .any(|l| l.name == *name && matches!(l.source, Source::Measured(_)));
@@ -989,7 +1001,9 @@ impl Reader<'_> {
     ) -> Result<Option<String>, MissionError> {
         let Some(name) = name else { return Ok(None) };
         let classes = |layer: &&LayerSpec| {
-            truth.get(&layer.name).is_some_and(|t| matches!(t.kind, ReadingKind::Class { .. }))
+            truth
+                .get(&layer.name)
+                .is_some_and(|t| matches!(t.kind, ReadingKind::Class { .. }) && !t.is_handed_in())
         };
         if layers.iter().filter(classes).any(|layer| layer.name == *name) {
             return Ok(Some(name.clone()));
@@ -1202,7 +1216,8 @@ impl Reader<'_> {
     fn prior(&self, grid: GridSpec, layers: &[LayerSpec]) -> Result<Prior, MissionError> {
         let p = &self.file.prior;
         let measured = |name: &str| {
-            layers.iter().any(|l| l.name == name && matches!(l.source, Source::Measured(_)))
+            !self.is_handed_in(name)
+                && layers.iter().any(|l| l.name == name && matches!(l.source, Source::Measured(_)))
         };
         match p.kind {
             PriorKind::None => Ok(Prior::None),

@@ -27,6 +27,8 @@ pub(crate) enum Values {
     Scene { scene: Arc<Landscape>, layer: SceneLayer, seed: u64 },
     /// A file that is known by its digest alone.
     Elsewhere { name: String },
+    /// Nobody's: what is known of it is handed in.
+    HandedIn,
 }
 
 /// A file's values, on its own grid or resampled onto the mission's.
@@ -82,6 +84,11 @@ impl LayerTruth {
         !matches!(self.values, Values::Elsewhere { .. })
     }
 
+    /// Whether nothing is known of it but what is handed in.
+    pub(crate) fn is_handed_in(&self) -> bool {
+        matches!(self.values, Values::HandedIn)
+    }
+
     /// At least a window of the layer, its cells numbered as the mission's.
     pub(crate) fn window(&self, window: Window) -> Result<Cow<'_, Layer>, TerrainError> {
         if let Values::Memory(layer) = &self.values {
@@ -98,6 +105,7 @@ impl LayerTruth {
                 let reason = "it is known by its digest alone, and not at hand".to_owned();
                 return Err(TerrainError::File { name: name.clone(), reason });
             }
+            Values::HandedIn => Layer::unknown(part),
         };
         Ok(Cow::Owned(layer.numbered_from(part.first())))
     }

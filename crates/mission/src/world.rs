@@ -17,6 +17,7 @@ use wisdom_terrain::{
 
 use crate::fault::{Fault, Faults};
 use crate::file::FirstLookU;
+use crate::reading::Reading;
 use crate::truth::{LayerTruth, ReadingKind};
 
 /// What a draw is for. The numbers are part of every seed's world: never renumber them.
@@ -93,6 +94,8 @@ pub struct Execution {
     pub commands: Vec<(f64, Word)>,
     /// What may break.
     pub faults: Vec<Fault>,
+    /// Readings that are handed in, the earliest first.
+    pub readings: Vec<Reading>,
 }
 
 /// One step over the true ground, before chance has its say.
@@ -265,6 +268,12 @@ impl World {
         }
     }
 
+    /// Whether nothing is known of a layer but what is handed in ([`Execution::readings`]).
+    #[must_use]
+    pub fn is_handed_in(&self, layer: &str) -> bool {
+        self.truth.get(layer).is_some_and(LayerTruth::is_handed_in)
+    }
+
     /// The instruments.
     #[must_use]
     pub fn instruments(&self) -> &[Instrument] {
@@ -302,6 +311,9 @@ impl World {
         let mut known = Vec::new();
         for spec in measured {
             let truth = &self.truth[&spec.name];
+            if truth.is_handed_in() {
+                continue;
+            }
             let part = self.grid.part(window)?;
             let (values, u) =
                 match &self.prior {
@@ -379,7 +391,9 @@ impl World {
     }
 
     fn layer_number(&self, name: &str) -> u64 {
-        self.truth.keys().position(|k| k == name).expect("the layer is measured") as u64
+        // Layers that are handed in draw nothing, and change nothing of what is drawn for the others.
+        let mut drawn = self.truth.iter().filter(|(_, truth)| !truth.is_handed_in());
+        drawn.position(|(known, _)| known == name).expect("the layer is measured") as u64
     }
 
     /// What the instruments read from a pose; `look` numbers the look.

@@ -568,6 +568,7 @@ fn the_guide_to_mission_files_names_every_key() {
         "[[directive]]",
         "[execution]",
         "[[fault]]",
+        "[[reading]]",
     ];
     for table in tables {
         let keys = keys_of(table);

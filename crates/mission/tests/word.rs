@@ -85,8 +85,7 @@ withdraw-at-s = 20010.0
 [[directive]]
 name = \"image\"";
     let (summary, memory) = level(&[(COMMAND, command)]);
-    let waits =
-        memory.decisions.iter().filter(|d| matches!(d.act, Act::Wait { wake: Wake::Word }));
+    let waits = memory.decisions.iter().filter(|d| matches!(d.act, Act::Wait { wake: Wake::Word }));
     assert!(waits.count() >= 2, "it waits before the command and after it was taken back");
     let woken = memory
         .decisions
@@ -125,9 +124,11 @@ name = \"drive\"",
     ];
     let mission = small::mission(HILLS, &changes).expect("the mission is sound");
     let (summary, memory) = told(&mission);
-    assert!(memory.messages.iter().any(
-        |m| matches!(&m.word, Word::Facts { deletes, .. } if deletes == &["analyser-works"])
-    ));
+    assert!(
+        memory.messages.iter().any(
+            |m| matches!(&m.word, Word::Facts { deletes, .. } if deletes == &["analyser-works"])
+        )
+    );
     let eroded = memory.decisions.iter().flat_map(|d| &d.verdicts).flat_map(|v| &v.changes);
     assert!(eroded.into_iter().any(|change| change.reason == Reason::Fault));
     let late = summary.achieved.iter().filter(|a| a.time_s > 4000.0);

@@ -31,6 +31,9 @@ pub struct Weighed<'a> {
 
 impl GoalManager {
     /// Second half of a deliberation: commits to the chosen sequence and says of every goal what was done.
+    ///
+    /// # Panics
+    /// If the sequence holds a goal that is not open, or a pose that is no node: what was weighed is not this manager's.
     pub fn commit(&mut self, mut revision: Revision, weighed: Weighed<'_>) -> Deliberated {
         let sequence = weighed.selection.sequence();
         let order: Vec<GoalId> = sequence.goals().collect();
@@ -151,6 +154,7 @@ impl Step<'_> {
                 | Reason::Afforded
                 | Reason::Fault
                 | Reason::Retyped
+                | Reason::Refined
                 | Reason::Concretised
                 | Reason::Abstracted
         );

@@ -79,6 +79,8 @@ pub struct Retired {
     pub radius_m: f64,
     /// Why it ended.
     pub reason: Reason,
+    /// The experts that had read anything there when it ended, a bit each by index: what others say later is news.
+    pub heard: u64,
     /// Digest of the ground around it when it ended; a change reopens a place given up.
     pub ground: u64,
     /// How often it has been reopened.
@@ -190,6 +192,8 @@ pub struct Survey<'a> {
     pub contradiction: &'a Raster<f32>,
     /// Share of each expert in a cell's interest.
     pub credit: &'a dyn Fn(Cell) -> Vec<f64>,
+    /// The experts that have read anything in a cell, a bit each by index.
+    pub heard: &'a dyn Fn(Cell) -> u64,
     /// Sum of the experts' uncertainties of a cell.
     pub doubt: &'a dyn Fn(Cell) -> f64,
     /// Class of the ground in a cell and its uncertainty; none where there is no such reading.

@@ -16,7 +16,9 @@ use crate::lifecycle::{
     Selected,
 };
 use crate::prize::quantised;
-use crate::{Action, Cause, Change, Goal, GoalId, Kind, Order, Reason, Site, Term, Verdict};
+use crate::{
+    Action, Cause, Change, Directive, Goal, GoalId, Kind, Order, Reason, Site, Term, Verdict,
+};
 
 /// A contradiction is settled once the uncertainty of the readings behind it has fallen to this share of what it was.
 const SETTLED_SHARE: f64 = 0.5;
@@ -57,18 +59,60 @@ impl Scene<'_> {
 }
 
 impl GoalManager {
-    /// The ended goal that stands for this maximum of a kind, if it shall bring forth no goal: it lies within the radius
-    /// of a closed place, or its region holds the target of one, and no open goal answers for that place.
+    /// The ended goal that stands for this maximum of a kind, if it shall bring forth no goal, and no open goal answers for
+    /// the place: the maximum lies within the radius of a closed place, or its region holds the target of one: of one
+    /// that was given up wherever it is, of one that was done if it is not far, for what was done at one end of a plateau
+    /// says little of the other.
+    ///
+    /// An expert that had said nothing of a place when a goal was done there brings news: `speaks` tells the interest and the
+    /// experts' shares of a cell now.
     #[must_use]
-    pub fn explained_by(&self, site: &Site, kind: Kind, spacing_m: f64) -> Option<GoalId> {
+    pub fn explained_by(
+        &self,
+        site: &Site,
+        kind: Kind,
+        spacing_m: f64,
+        speaks: &dyn Fn(Cell) -> (f64, Vec<f64>),
+    ) -> Option<GoalId> {
         let same_place = |r: &&Retired| {
-            r.target.distance(site.peak) * spacing_m <= r.radius_m
-                || site.region.binary_search(&r.target).is_ok()
+            let distance_m = r.target.distance(site.peak) * spacing_m;
+            let near_m = 2.0 * r.radius_m.max(self.spec.identity_radius_m);
+            distance_m <= r.radius_m
+                || (site.region.binary_search(&r.target).is_ok()
+                    && (r.is_given_up() || distance_m <= near_m))
         };
-        let in_force = |r: &&Retired| {
+        self.in_force(kind)
+            .find(|r| same_place(r) && !self.brings_news(r, site.peak, kind, speaks))
+            .map(|r| r.goal)
+    }
+
+    /// Places that keep goals of a kind away.
+    fn in_force(&self, kind: Kind) -> impl Iterator<Item = &Retired> {
+        self.state.retired.iter().filter(move |r| {
             r.closed && r.kind.closes(kind) && !self.state.goals.contains_key(&r.goal)
-        };
-        self.state.retired.iter().filter(in_force).find(same_place).map(|r| r.goal)
+        })
+    }
+
+    /// Whether a directive looks for what experts say of a cell now that had said nothing when a goal was done there.
+    fn brings_news(
+        &self,
+        place: &Retired,
+        cell: Cell,
+        kind: Kind,
+        speaks: &dyn Fn(Cell) -> (f64, Vec<f64>),
+    ) -> bool {
+        let new = |expert: &&usize| place.heard >> (**expert).min(63) & 1 == 0;
+        let hopeful = |d: &&Directive| d.kind == kind && d.experts.iter().any(|e| new(&e));
+        let mut hopeful = self.directives.iter().filter(hopeful).peekable();
+        if place.is_given_up() || hopeful.peek().is_none() {
+            return false;
+        }
+        let (interest, credit) = speaks(cell);
+        hopeful.any(|directive| {
+            let news = directive.experts.iter().filter(new);
+            let share: f64 = news.filter_map(|&expert| credit.get(expert)).sum();
+            interest >= directive.min_interest && share > 0.0 && share >= directive.min_credit
+        })
     }
 
     /// First half of a deliberation: ends goals that are done, spent, gone or merged, transforms those whose place or
@@ -84,8 +128,34 @@ impl GoalManager {
         self.reopen(survey);
         let before: BTreeMap<GoalId, Window> =
             self.state.goals.values().map(|g| (g.id, g.extent)).collect();
-        let mut scenes: Vec<Scene<'_>> =
-            Kind::ALL.iter().filter_map(|&kind| self.scene(kind, survey)).collect();
+        let scenes = loop {
+            let mut scenes: Vec<Scene<'_>> =
+                Kind::ALL.iter().filter_map(|&kind| self.scene(kind, survey)).collect();
+            let ended = revision.ended.len();
+            self.look_after(survey, &mut scenes, &mut revision);
+            // What a goal that ended stood for, or kept away, is seen anew.
+            if revision.ended.len() == ended {
+                break scenes;
+            }
+        };
+        for scene in &scenes {
+            for index in scene.free() {
+                let site = &scene.view.sites[index];
+                if site.prominence >= self.spec.extraction.min_prominence {
+                    self.formulate(site, scene, survey, &before, &mut revision);
+                }
+            }
+        }
+        revision
+    }
+
+    /// Follows the goals whose maxima are there, and sees what becomes of the others.
+    fn look_after(
+        &mut self,
+        survey: &Survey<'_>,
+        scenes: &mut [Scene<'_>],
+        revision: &mut Revision,
+    ) {
         let open: Vec<GoalId> = self.state.goals.keys().copied().collect();
         let seen: BTreeMap<GoalId, (usize, usize)> = scenes
             .iter()
@@ -96,21 +166,12 @@ impl GoalManager {
             open.into_iter().partition(|id| seen.contains_key(id));
         for id in followed {
             let (scene, site) = seen[&id];
-            self.follow(id, &scenes[scene].view.sites[site], survey, &mut revision);
+            self.follow(id, &scenes[scene].view.sites[site], survey, revision);
         }
         // Afterwards, so that no goal is merged into one that just went.
         for id in lost {
-            self.survive(id, survey, &mut scenes, &mut revision);
+            self.survive(id, survey, scenes, revision);
         }
-        for scene in &scenes {
-            for index in scene.free() {
-                let site = &scene.view.sites[index];
-                if site.prominence >= self.spec.extraction.min_prominence {
-                    self.formulate(site, scene, survey, &before, &mut revision);
-                }
-            }
-        }
-        revision
     }
 
     /// What was under way is looked at: it came back, however it went.
@@ -355,8 +416,12 @@ impl GoalManager {
     fn scene<'a>(&self, kind: Kind, survey: &Survey<'a>) -> Option<Scene<'a>> {
         let view = survey.view(kind)?;
         let spacing_m = survey.spacing_m();
-        let explained: Vec<Option<GoalId>> =
-            view.sites.iter().map(|site| self.explained_by(site, kind, spacing_m)).collect();
+        let speaks = |cell: Cell| (f64::from(view.interest[cell]), (survey.credit)(cell));
+        let explained: Vec<Option<GoalId>> = view
+            .sites
+            .iter()
+            .map(|site| self.explained_by(site, kind, spacing_m, &speaks))
+            .collect();
         let matches = self.identify(kind, view, &explained, spacing_m);
         let mut taken = vec![false; view.sites.len()];
         for &site in matches.values() {
@@ -435,7 +500,43 @@ impl GoalManager {
         goal.extent = extent(site);
         if self.weigh_anew(id, survey, revision) && !self.settle(id, survey, revision) {
             self.reclassify(id, survey, revision);
+            self.refine(id, survey, revision);
         }
+    }
+
+    /// Gives a goal that was never tried the directive that a new goal in its place would have, if that is a heavier one: more
+    /// is known of it now than when it was formulated. What it was eroded from stays behind.
+    fn refine(&mut self, id: GoalId, survey: &Survey<'_>, revision: &mut Revision) {
+        let Some(goal) = self.state.goals.get(&id) else { return };
+        let (current, target) = (goal.directive, goal.target);
+        if goal.attempts > 0 || goal.order.is_some() {
+            return;
+        }
+        let Some(best) = self.directive_for(self.directives[current].kind, target, survey) else {
+            return;
+        };
+        let (weight, was) = (self.directives[best].weight, self.directives[current].weight);
+        if weight <= was || !(survey.able)(best) || self.erodes_to(best, current) {
+            return;
+        }
+        self.state.goals.get_mut(&id).expect("the goal is open").directive = best;
+        let terms = vec![Term::against("weight", weight, was)];
+        revision.change(id, Change::new(Reason::Refined, terms));
+        self.weigh_anew(id, survey, revision);
+    }
+
+    /// Whether a directive is among the substitutes of another.
+    fn erodes_to(&self, strong: usize, weak: usize) -> bool {
+        let mut at = self.directives[strong].substitute;
+        // Substitutes may go round in a circle.
+        for _ in 0..self.directives.len() {
+            let Some(index) = at else { return false };
+            if index == weak {
+                return true;
+            }
+            at = self.directives[index].substitute;
+        }
+        false
     }
 
     /// A goal without a maximum: what stands out there may be something else now, or it is merged into another, kept
@@ -704,7 +805,11 @@ impl GoalManager {
         // Of the cells that share the highest prize, the one nearest to the rover: it is on the side that can
         // be seen and reached, where the middle of a plateau may lie inside a rock.
         let on_top = |c: &&Cell| f64::from(scene.view.signal[**c]) >= site.prize;
-        let nearest = site.region.iter().filter(on_top).min_by(|a, b| {
+        // Ground that was done already is no target, though the maximum reaches further.
+        let spacing = survey.spacing_m();
+        let closed: Vec<&Retired> = self.in_force(scene.kind).collect();
+        let open = |c: &&Cell| closed.iter().all(|r| r.target.distance(**c) * spacing > r.radius_m);
+        let nearest = site.region.iter().filter(on_top).filter(open).min_by(|a, b| {
             a.distance(survey.stand).total_cmp(&b.distance(survey.stand)).then(a.cmp(b))
         });
         let target = nearest.copied().unwrap_or(site.peak);
@@ -715,6 +820,9 @@ impl GoalManager {
         }
         let id = GoalId(self.state.next_id);
         self.state.next_id += 1;
+        let news = self
+            .in_force(scene.kind)
+            .any(|r| !r.is_given_up() && r.target.distance(site.peak) * spacing <= r.radius_m);
         let reopened = self.answer_for_reopened(id, scene.kind, site, survey);
         // An open goal of the kind whose region held this peak when it was last seen.
         let parent = self.state.goals.values().find(|goal| {
@@ -722,7 +830,11 @@ impl GoalManager {
                 && goal.order.is_none()
                 && before.get(&goal.id).is_some_and(|was| was.contains(site.peak))
         });
-        let parent = parent.map(|goal| goal.id);
+        // Or a goal that was done elsewhere on the same plateau.
+        let done = |r: &&Retired| !r.is_given_up() && site.region.binary_search(&r.target).is_ok();
+        let parent = parent
+            .map(|goal| goal.id)
+            .or_else(|| self.in_force(scene.kind).find(done).map(|r| r.goal));
         // What failed here before counts; one try remains.
         let most = self.directives[directive].max_attempts.saturating_sub(1);
         let attempts = self.failed_at(site.peak, survey).min(most);
@@ -750,6 +862,8 @@ impl GoalManager {
         };
         let reason = if reopened {
             Reason::Reopened
+        } else if news {
+            Reason::NewEvidence
         } else if parent.is_some() {
             Reason::Split
         } else {
@@ -863,6 +977,7 @@ impl GoalManager {
             target,
             radius_m,
             reason,
+            heard: (survey.heard)(target),
             ground: (survey.ground)(target).unwrap_or(GROUND_UNSEEN),
             reopenings,
             closed: true,
@@ -919,13 +1034,14 @@ impl GoalManager {
         let kind = wanted.kind;
         let Some(view) = survey.view(kind) else { return false };
         let spacing = survey.spacing_m();
+        let speaks = |cell: Cell| (f64::from(view.interest[cell]), (survey.credit)(cell));
         for site in view.sites {
             let distance_m = site.peak.distance(goal.target) * spacing;
             let here = distance_m <= self.spec.identity_radius_m
                 || site.region.binary_search(&goal.target).is_ok();
             if here
                 || distance_m > wanted.generalise_m
-                || self.explained_by(site, wanted.kind, spacing).is_some()
+                || self.explained_by(site, kind, spacing, &speaks).is_some()
                 || !self.suits(directive, self.type_at(site.peak, survey))
                 || !wanted.accepts(f64::from(view.interest[site.peak]), &(survey.credit)(site.peak))
             {
@@ -977,9 +1093,18 @@ impl GoalManager {
         let ground = (survey.ground)(target).unwrap_or(GROUND_UNSEEN);
         let radius_m = self.spec.identity_radius_m;
         let reason = Reason::Unreachable;
-        let place =
-            Retired { goal, kind, target, radius_m, reason, ground, reopenings: 0, closed: true };
-        self.state.retired.push(place);
+        let heard = (survey.heard)(target);
+        self.state.retired.push(Retired {
+            goal,
+            kind,
+            target,
+            radius_m,
+            reason,
+            heard,
+            ground,
+            reopenings: 0,
+            closed: true,
+        });
     }
 }
 

@@ -226,7 +226,7 @@ fn goal(goal: &goals::Goal, setting: &Setting) -> Goal {
 }
 
 fn retired(place: &goals::Retired) -> Retired {
-    let &goals::Retired { goal, kind, target, radius_m, reason, ground, reopenings, closed } =
+    let &goals::Retired { goal, kind, target, radius_m, reason, heard, ground, reopenings, closed } =
         place;
     Retired {
         goal: goal.0,
@@ -237,6 +237,7 @@ fn retired(place: &goals::Retired) -> Retired {
         reopenings,
         closed,
         kind: kind.to_string(),
+        heard,
     }
 }
 

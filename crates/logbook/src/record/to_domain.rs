@@ -169,6 +169,7 @@ impl Reading<'_> {
             target: self.cell(&field("target"), place.target.as_ref())?,
             radius_m: self.finite(&field("radius_m"), place.radius_m)?,
             reason: self.reason(&field("reason"), &place.reason)?,
+            heard: place.heard,
             ground: place.ground,
             reopenings: place.reopenings,
             closed: place.closed,

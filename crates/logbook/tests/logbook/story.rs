@@ -122,6 +122,7 @@ pub(crate) fn manager(number: u32) -> ManagerState {
         retired: vec![Retired {
             goal: GoalId(90),
             kind: Kind::Adjudicate,
+            heard: 0b101,
             target: Cell::new(0, 0),
             radius_m: 8.0,
             reason: Reason::AttemptsSpent,
