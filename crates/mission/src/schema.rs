@@ -129,7 +129,7 @@ pub(crate) fn paces(_: &mut SchemaGenerator) -> Schema {
 }
 
 pub(crate) fn kinds(_: &mut SchemaGenerator) -> Schema {
-    names(Kind::ALL.iter().map(|kind| kind.to_string()))
+    names(Kind::ALL.iter().map(ToString::to_string))
 }
 
 pub(crate) fn prizes(_: &mut SchemaGenerator) -> Schema {

@@ -324,7 +324,7 @@ fn every_action_occurs_and_the_map_s_changes_bring_it_about() {
         }
     }
     for action in Action::ALL {
-        assert!(met.contains(&action), "{action} never occurs");
+        assert!(met.contains(action), "{action} never occurs");
     }
 }
 

@@ -9,7 +9,7 @@ mod why;
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use wisdom_grid::{Cell, GridSpec, Raster};
+use wisdom_grid::{Cell, GridSpec, Raster, Window};
 use wisdom_planner::CostVector;
 
 use crate::lifecycle::{Diary, Found, Transition};
@@ -263,6 +263,8 @@ pub struct Revision {
     diaries: BTreeMap<GoalId, Diary>,
     /// Those whose last try failed.
     failed: BTreeSet<GoalId>,
+    /// Where the maxima of the goals reached before the deliberation.
+    before: BTreeMap<GoalId, Window>,
 }
 
 impl Revision {

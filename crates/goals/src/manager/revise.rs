@@ -126,13 +126,18 @@ impl GoalManager {
         self.obey(survey, &mut revision);
         self.fall_back(survey, &mut revision);
         self.reopen(survey);
-        let before: BTreeMap<GoalId, Window> =
-            self.state.goals.values().map(|g| (g.id, g.extent)).collect();
+        revision.before = self.state.goals.values().map(|g| (g.id, g.extent)).collect();
+        self.see(survey, &mut revision);
+        revision
+    }
+
+    /// Looks after the goals that are there until nothing ends any more, and formulates those that are not.
+    fn see(&mut self, survey: &Survey<'_>, revision: &mut Revision) {
         let scenes = loop {
             let mut scenes: Vec<Scene<'_>> =
                 Kind::ALL.iter().filter_map(|&kind| self.scene(kind, survey)).collect();
             let ended = revision.ended.len();
-            self.look_after(survey, &mut scenes, &mut revision);
+            self.look_after(survey, &mut scenes, revision);
             // What a goal that ended stood for, or kept away, is seen anew.
             if revision.ended.len() == ended {
                 break scenes;
@@ -142,11 +147,10 @@ impl GoalManager {
             for index in scene.free() {
                 let site = &scene.view.sites[index];
                 if site.prominence >= self.spec.extraction.min_prominence {
-                    self.formulate(site, scene, survey, &before, &mut revision);
+                    self.formulate(site, scene, survey, revision);
                 }
             }
         }
-        revision
     }
 
     /// Follows the goals whose maxima are there, and sees what becomes of the others.
@@ -799,7 +803,6 @@ impl GoalManager {
         site: &Site,
         scene: &Scene<'_>,
         survey: &Survey<'_>,
-        before: &BTreeMap<GoalId, Window>,
         revision: &mut Revision,
     ) {
         // Of the cells that share the highest prize, the one nearest to the rover: it is on the side that can
@@ -828,7 +831,7 @@ impl GoalManager {
         let parent = self.state.goals.values().find(|goal| {
             self.directives[goal.directive].kind == scene.kind
                 && goal.order.is_none()
-                && before.get(&goal.id).is_some_and(|was| was.contains(site.peak))
+                && revision.before.get(&goal.id).is_some_and(|was| was.contains(site.peak))
         });
         // Or a goal that was done elsewhere on the same plateau.
         let done = |r: &&Retired| !r.is_given_up() && site.region.binary_search(&r.target).is_ok();
@@ -993,6 +996,27 @@ impl GoalManager {
         survey: &Survey<'_>,
         revision: &mut Revision,
     ) {
+        while self.give_up_unreachable(poses, access, survey, revision) {
+            // A place that was given up closes the ground around it, and may set a maximum free.
+            self.see(survey, revision);
+            *poses = self
+                .state
+                .goals
+                .values()
+                .map(|goal| (goal.id, (access.poses)(goal.target, goal.directive)))
+                .collect();
+        }
+    }
+
+    /// Says whether a goal was given up.
+    fn give_up_unreachable(
+        &mut self,
+        poses: &mut Poses,
+        access: Access<'_>,
+        survey: &Survey<'_>,
+        revision: &mut Revision,
+    ) -> bool {
+        let ended = revision.ended.len();
         let committed: Vec<GoalId> =
             self.state.goals.values().filter(|g| g.status().is_committed()).map(|g| g.id).collect();
         for id in committed {
@@ -1016,6 +1040,7 @@ impl GoalManager {
             self.end(id, Ending::drop(Reason::Unreachable, terms, None), survey, revision);
             self.retire(id, radius_m, Reason::Unreachable, survey, revision);
         }
+        revision.ended.len() > ended
     }
 
     /// Moves a goal whose target cannot be reached to the best reachable place of its kind nearby that no committed goal

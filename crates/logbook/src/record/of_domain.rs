@@ -135,7 +135,7 @@ fn trigger(trigger: &core::Trigger) -> Trigger {
     let named = Trigger { name: trigger.name().to_owned(), ..Trigger::default() };
     match *trigger {
         Why::GoalEnded(goal) | Why::LegFailed(goal) => Trigger { goal: Some(goal.0), ..named },
-        Why::InterestChanged { goal, before, after } => {
+        Why::InterestChanged { goal, before, after } | Why::Conflict { goal, before, after } => {
             Trigger { goal: Some(goal.0), before: finite(before), after: finite(after), ..named }
         }
         Why::NewCandidate { cell, prize } => {
@@ -153,9 +153,6 @@ fn trigger(trigger: &core::Trigger) -> Trigger {
         },
         Why::WindowClosing { goal, left_s } => {
             Trigger { goal: Some(goal.0), seconds: finite(left_s), ..named }
-        }
-        Why::Conflict { goal, before, after } => {
-            Trigger { goal: Some(goal.0), before: finite(before), after: finite(after), ..named }
         }
         Why::Command { number } | Why::Facts { number } => {
             Trigger { message: Some(number), ..named }
@@ -445,7 +442,7 @@ fn change(change: &goals::Change) -> Change {
     }
 }
 
-fn transition(step: &goals::Transition) -> Transition {
+fn transition(step: goals::Transition) -> Transition {
     Transition {
         goal: step.goal.0,
         from: step.from.to_string(),
@@ -528,7 +525,7 @@ impl Decision {
                 plan: decision.family.get(decision.chosen).map(|member| plan(&member.plan)),
                 verdicts: decision.verdicts.iter().map(|v| verdict(v, setting)).collect(),
                 manager: Some(ManagerState::of(&decision.manager_after, setting)),
-                transitions: decision.transitions.iter().map(transition).collect(),
+                transitions: decision.transitions.iter().copied().map(transition).collect(),
             }),
             chain: String::new(),
         }

@@ -104,7 +104,7 @@ fn goal(id: u32) -> Goal {
         extent: Window { row: 1, col: 0, rows: 2, cols: 3 },
         doubt: 0.4,
         parent: (id > 0).then(|| GoalId(id - 1)),
-        order: (id % 2 == 0).then(|| Order {
+        order: id.is_multiple_of(2).then(|| Order {
             name: "go there".to_owned(),
             prize: 0.8,
             mandatory: true,
