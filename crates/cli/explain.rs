@@ -268,7 +268,7 @@ fn tell(
             Some(interest) if *interest <= 1.0 => {
                 format!("{interest:.4} instead of {:.4} ({prize})", goal.interest)
             }
-            Some(_) => format!("{prize}, which no interest is worth"),
+            Some(_) => format!("{prize}: more than an interest of 1 is worth here"),
             None => prize,
         }
     })

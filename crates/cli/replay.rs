@@ -64,7 +64,9 @@ pub(crate) fn run(args: &ReplayArgs) -> anyhow::Result<ExitCode> {
             }
             Entry::Fault(fault) => {
                 if args.decision.is_none() {
-                    writeln!(out, "{} (the rover is not told)\n", fault.text)?;
+                    let told =
+                        if fault.kind == "facts-lost" { "" } else { " (the rover is not told)" };
+                    writeln!(out, "{}{told}\n", fault.text)?;
                 }
             }
             Entry::Outcome(outcome) => {

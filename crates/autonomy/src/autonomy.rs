@@ -72,6 +72,10 @@ impl Autonomy {
     pub fn new(spec: Spec) -> Result<Self, AutonomyError> {
         spec.vehicle.validate()?;
         spec.fusion.check(spec.experts.len())?;
+        let (found, limit) = (spec.experts.len(), u64::BITS as usize);
+        if found > limit {
+            return Err(AutonomyError::TooManyExperts { found, limit });
+        }
         for expert in &spec.experts {
             let layer = spec.layers.iter().find(|l| l.name == expert.layer).ok_or_else(|| {
                 AutonomyError::NoLayer { expert: expert.name.clone(), layer: expert.layer.clone() }
@@ -309,6 +313,9 @@ impl Autonomy {
                 self.trigger(Trigger::LegFailed(goal));
                 self.underway = None;
             }
+            StepResult::Interrupted(goal) if self.triggers.is_empty() => {
+                self.trigger(Trigger::LegInterrupted(goal));
+            }
             StepResult::Interrupted(_) => {}
             StepResult::Arrived => {
                 self.trigger(Trigger::Arrived);
@@ -361,17 +368,20 @@ impl Autonomy {
     fn deliberate(&mut self, maps: &Maps, watch: Watch<'_>) -> Result<Decision, AutonomyError> {
         self.take_in_told();
         let state = self.state();
-        let triggers = std::mem::take(&mut self.triggers);
+        let mut triggers = std::mem::take(&mut self.triggers);
+        if triggers.is_empty() {
+            triggers.push(Trigger::Woken);
+        }
         let map_changed = self.knowledge.version() != self.decided_version;
         let credit_at = |cell: Cell| credit(&maps.evidence, &self.spec.fusion, cell);
         let ground_at = |cell: Cell| maps.local_ground(self.spec.grid, cell, LOCAL_GROUND);
         let heard_at = |cell: Cell| maps.heard(&self.spec, cell);
         let doubt_at = |cell: Cell| maps.doubt(&self.spec, cell);
         let class_at = |cell: Cell| maps.class(&self.spec, cell);
-        let able = |directive: usize| {
-            let wanted = self.spec.directives[directive].achieves;
-            self.spec.domain.expand(self.facts, wanted).is_some()
-        };
+        let facts = self.facts;
+        let can = |wanted: FactSet| self.spec.domain.expand(facts, wanted).is_some();
+        let able: Vec<bool> = self.spec.directives.iter().map(|d| can(d.achieves)).collect();
+        let able = |directive: usize| able[directive];
         let interest = &maps.interest.interest;
         let survey = Survey {
             inspect: View { sites: &maps.sites, signal: &maps.prize.prize, interest },
@@ -528,6 +538,8 @@ impl Autonomy {
                 Trigger::InterestChanged { goal: a, .. },
                 Trigger::InterestChanged { goal: b, .. },
             )
+            | (Trigger::GoalEnded(a), Trigger::GoalEnded(b))
+            | (Trigger::LegFailed(a), Trigger::LegFailed(b))
             | (Trigger::Conflict { goal: a, .. }, Trigger::Conflict { goal: b, .. })
             | (Trigger::WindowClosing { goal: a, .. }, Trigger::WindowClosing { goal: b, .. }) => {
                 a == b

@@ -109,6 +109,10 @@ pub enum Trigger {
         /// Time since the last one, seconds.
         since_s: f64,
     },
+    /// The leg ended before its goal was done, and nothing else asks: the budget is spent.
+    LegInterrupted(GoalId),
+    /// A wait ended: a decision was asked for, and nothing else calls for one.
+    Woken,
     /// Newly seen ground blocks the route under way.
     RouteBlocked(Cell),
     /// A look from a vantage was taken, or home was reached.
@@ -127,6 +131,8 @@ impl Trigger {
             | Self::GoalEnded(_)
             | Self::LegFailed(_)
             | Self::Risk { .. }
+            | Self::LegInterrupted(_)
+            | Self::Woken
             | Self::RouteBlocked(_)
             | Self::Arrived
             | Self::Stopped
@@ -161,6 +167,8 @@ impl Trigger {
             Self::Facts { .. } => "facts",
             Self::Cadence { .. } => "cadence",
             Self::Watchdog { .. } => "watchdog",
+            Self::LegInterrupted(_) => "leg-interrupted",
+            Self::Woken => "woken",
             Self::RouteBlocked(_) => "route-blocked",
             Self::Arrived => "arrived",
             Self::Stopped => "stopped",
@@ -171,8 +179,10 @@ impl Trigger {
 impl fmt::Display for Trigger {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Start | Self::Arrived | Self::Stopped => f.write_str(self.name()),
-            Self::GoalEnded(goal) | Self::LegFailed(goal) => write!(f, "{} ({goal})", self.name()),
+            Self::Start | Self::Woken | Self::Arrived | Self::Stopped => f.write_str(self.name()),
+            Self::GoalEnded(goal) | Self::LegFailed(goal) | Self::LegInterrupted(goal) => {
+                write!(f, "{} ({goal})", self.name())
+            }
             Self::InterestChanged { goal, before, after }
             | Self::Conflict { goal, before, after } => {
                 write!(f, "{} ({goal}: {before:.3} -> {after:.3})", self.name())

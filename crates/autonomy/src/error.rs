@@ -41,6 +41,14 @@ pub enum AutonomyError {
         /// The layer named.
         layer: String,
     },
+    /// More experts than the goal manager can tell apart.
+    #[error("{found} experts; at most {limit} can be told apart where goals ended")]
+    TooManyExperts {
+        /// Experts found.
+        found: usize,
+        /// The most there may be.
+        limit: usize,
+    },
     /// A window has another number of values than cells.
     #[error("`{layer}`, {window}: {values} values and {uncertainties} uncertainties")]
     WindowLength {

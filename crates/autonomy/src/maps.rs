@@ -265,11 +265,11 @@ impl Maps {
         digest.finish()
     }
 
-    /// The experts that have read anything in a cell, a bit each; of more than 64 the last bit stands for the rest.
+    /// The experts that have read anything in a cell, a bit each.
     pub(crate) fn heard(&self, spec: &Spec, cell: Cell) -> u64 {
         let read = |expert: &Expert| self.layers[&expert.layer].u(cell) < 1.0;
         let bits = spec.experts.iter().enumerate().filter(|(_, expert)| read(expert));
-        bits.fold(0, |heard, (bit, _)| heard | 1 << bit.min(63))
+        bits.fold(0, |heard, (bit, _)| heard | 1 << bit)
     }
 
     /// Sum of the uncertainties of what the experts read in a cell.

@@ -25,6 +25,9 @@ pub struct Order {
     pub prize: f64,
     /// Whether a sequence with it is better than any without.
     pub mandatory: bool,
+    /// The directive (by index) and the target of the goal that was there already: what it is again once the command is
+    /// taken back.
+    pub before: Option<(usize, Cell)>,
 }
 
 /// A site with a directive: something to do somewhere.

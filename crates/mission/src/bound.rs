@@ -26,7 +26,7 @@ pub struct DecisionBound {
     pub services: u64,
     /// Tries allowed at all places there is room for.
     pub tries: u64,
-    /// Messages to come, and as many again that tell of faults.
+    /// Messages and readings to come, and messages that tell of faults.
     pub messages: u64,
     /// Windows that open.
     pub windows: u64,
@@ -60,7 +60,9 @@ impl DecisionBound {
         let least = spec.directives.iter().flat_map(|d| bringing(d.achieves)).reduce(f64::min);
         let service_s = LEAST_FACTOR * least.unwrap_or(0.0);
         let cells = spec.grid.len() as u64;
-        let services = fits(spec.budget.time_s, service_s).min(cells.saturating_mul(3));
+        // Each place once for every kind, and again when another expert speaks of it.
+        let places_done = cells.saturating_mul(3 * (1 + spec.experts.len() as u64));
+        let services = fits(spec.budget.time_s, service_s).min(places_done);
         // Places lie further apart than the identity radius: discs of half of it do not overlap.
         let radius_m = spec.manager.identity_radius_m / 2.0;
         let room_m2 = (spec.grid.rows() as f64 * spacing_m + 2.0 * radius_m)
@@ -70,7 +72,7 @@ impl DecisionBound {
         let each = u64::from(attempts) * (1 + u64::from(spec.manager.max_reopenings));
         let told =
             execution.faults.iter().filter(|f| matches!(f.kind, FaultKind::FactsLost { .. }));
-        let handed_in = execution.commands.len() as u64;
+        let handed_in = (execution.commands.len() + execution.readings.len()) as u64;
         Self {
             steps,
             services,

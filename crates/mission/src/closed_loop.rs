@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 
 use wisdom_autonomy::{
-    Act, Autonomy, AutonomyError, Decision, Message, Observation, Outcome, Pose, Spent, StepResult,
-    Wake, Word,
+    Act, Autonomy, AutonomyError, Decision, Message, Observation, Outcome, Pace, Pose, Spent,
+    StepResult, Wake, Word,
 };
 use wisdom_goals::{Action, Cause, GoalId};
 use wisdom_grid::{Cell, Window};
@@ -404,7 +404,15 @@ impl Simulation<'_> {
     /// A look with all instruments, unless the last one was from here. What is handed in by then comes first.
     fn look(&mut self) -> Result<(), RunError> {
         self.hand_in()?;
-        if self.last_look == Some(self.pose.cell) || self.mission.world.instruments().is_empty() {
+        if self.mission.world.instruments().is_empty() {
+            // Without instruments there still is a clock, for those who go by it.
+            let spec = &self.mission.spec;
+            let timed = spec.triggers.pace != Pace::Event
+                || spec.triggers.watchdog_s.is_finite()
+                || spec.directives.iter().any(|d| d.window.is_some());
+            return if timed { self.observe(Vec::new()) } else { Ok(()) };
+        }
+        if self.last_look == Some(self.pose.cell) {
             return Ok(());
         }
         self.strike()?;
@@ -424,8 +432,10 @@ impl Simulation<'_> {
             if let FaultKind::FactsLost { facts } = event.kind {
                 let lost = Word::Facts { adds: Vec::new(), deletes: facts.clone() };
                 self.expect(event.time_s, lost);
-                if event.until_s.is_finite() {
-                    self.expect(event.until_s, Word::Facts { adds: facts, deletes: Vec::new() });
+                let restored = self.restorable(facts);
+                if event.until_s.is_finite() && !restored.is_empty() {
+                    let works = Word::Facts { adds: restored, deletes: Vec::new() };
+                    self.expect(event.until_s, works);
                 }
             }
         }
@@ -437,6 +447,19 @@ impl Simulation<'_> {
             self.messages += 1;
         }
         Ok(())
+    }
+
+    /// Of facts that a fault takes away those that its end gives back: they held, and no operator's doing is in them. The
+    /// others are for operators to bring about again.
+    fn restorable(&self, mut facts: Vec<String>) -> Vec<String> {
+        let domain = &self.mission.spec.domain;
+        facts.retain(|fact| {
+            domain.set(std::slice::from_ref(fact)).is_ok_and(|set| {
+                self.rover.facts().contains(set)
+                    && domain.operators().iter().all(|o| !o.adds.with(o.deletes).meets(set))
+            })
+        });
+        facts
     }
 
     /// A message to come; of those at one time, in the order they were announced.
@@ -484,7 +507,7 @@ impl Simulation<'_> {
                 self.look()?;
                 // What is seen on arrival may call for a decision before anything is done there.
                 if self.rover.triggers().is_empty() {
-                    self.await_window(decision, goal);
+                    self.await_window(decision, goal)?;
                 }
                 if self.rover.triggers().is_empty() && self.operate_all(&expansion.after, &mut done)
                 {
@@ -497,14 +520,20 @@ impl Simulation<'_> {
         Ok(self.outcome(decision.number, result, done, route.cost.reliability(), from))
     }
 
-    /// Waits at a goal's pose until its window opens; all but the drives stay on.
-    fn await_window(&mut self, decision: &Decision, goal: GoalId) {
+    /// Waits at a goal's pose until its window opens, or word comes; all but the drives stay on.
+    fn await_window(&mut self, decision: &Decision, goal: GoalId) -> Result<(), RunError> {
         let spec = &self.mission.spec;
-        let Some(goal) = decision.manager_after.goals.get(&goal) else { return };
-        let Some(window) = spec.directives[goal.directive].window else { return };
-        let wait_s = (window.open_s - self.spent.time_s).max(0.0);
-        self.spent.time_s += wait_s;
-        self.spent.energy_j += spec.vehicle.hotel_power_w * wait_s;
+        let Some(goal) = decision.manager_after.goals.get(&goal) else { return Ok(()) };
+        let Some(window) = spec.directives[goal.directive].window else { return Ok(()) };
+        while self.rover.triggers().is_empty() && self.spent.time_s < window.open_s {
+            let word = self.expected.first().map_or(f64::INFINITY, |(due_s, _)| *due_s);
+            let until_s = window.open_s.min(word);
+            let wait_s = (until_s - self.spent.time_s).max(0.0);
+            self.spent.time_s = self.spent.time_s.max(until_s);
+            self.spent.energy_j += self.mission.spec.vehicle.hotel_power_w * wait_s;
+            self.strike()?;
+        }
+        Ok(())
     }
 
     /// Drives to a vantage or home. Whatever must be true before driving (a stowed arm) is made true as for a

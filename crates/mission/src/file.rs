@@ -789,7 +789,7 @@ pub(crate) struct FaultFile {
     /// For `comm-delay`, which needs it: the wait, seconds.
     #[schemars(range(min = 0.0, max = LATEST_S))]
     pub delay_s: Option<f64>,
-    /// For `facts-lost`, which needs it: the facts that cease to hold while it lasts.
+    /// For `facts-lost`, which needs it: the facts that cease to hold.
     pub facts: Option<Vec<String>>,
 }
 

@@ -695,6 +695,8 @@ impl Reader<'_> {
         };
         // Facts that no directive asks for need not be kept; one that is no fact is shown where directives are read.
         let asked = self.file.directive.iter().flat_map(|d| d.achieves.iter().chain(&d.requires));
+        // What a fault may take away does not always hold, though no operator deletes it.
+        let asked = asked.chain(self.file.fault.iter().flat_map(|f| f.facts.iter().flatten()));
         let asked: Vec<String> = asked.filter_map(|fact| lifted.fact(fact).ok()).collect();
         let ground = lifted.ground(&asked).map_err(|error| self.not_ground(&error))?;
         self.grounded(&ground.operators, &ground.schema, &ground.facts)
@@ -847,6 +849,19 @@ impl Reader<'_> {
                     }
                 },
             });
+        }
+        for (i, directive) in directives.iter().enumerate() {
+            let mut at = directive.substitute;
+            for _ in 0..directives.len() {
+                at = at.and_then(|next: usize| directives[next].substitute);
+            }
+            if at.is_some() {
+                let message = format!(
+                    "the substitutes of `{}` go round in a circle; expected ever weaker directives",
+                    directive.name
+                );
+                return Err(self.error(&["directive", &i.to_string(), "substitute"], message));
+            }
         }
         if directives.is_empty() {
             return Err(self.error(&["directive"], "expected at least one directive"));

@@ -47,6 +47,7 @@ impl Recorder for Story<'_> {
             validate(&option.plan, &maps.ground, &spec.vehicle, &left)
                 .unwrap_or_else(|e| panic!("decision {}: {e}", decision.number));
         }
+        assert!(!decision.triggers.is_empty(), "decision {} has no trigger", decision.number);
         self.decisions.push(decision.clone());
         Ok(())
     }

@@ -34,6 +34,9 @@ wall_cells = 1.2
 fn told(mission: &Mission) -> (RunSummary, Memory) {
     let mut memory = Memory::default();
     let summary = run(mission, &mut memory, &mut |_| true).expect("the run ends");
+    for decision in &memory.decisions {
+        assert!(!decision.triggers.is_empty(), "decision {} has no trigger", decision.number);
+    }
     (summary, memory)
 }
 
@@ -162,4 +165,53 @@ fn the_rover_waits_at_a_site_until_its_window_opens() {
     }
     let waited = memory.outcomes.iter().any(|o| matches!(o.result, StepResult::Achieved(_)));
     assert!(waited);
+}
+
+#[test]
+fn the_end_of_a_fault_gives_back_only_what_held_and_no_operator_tends() {
+    let changes = [
+        ("facts = [\"arm-stowed\"]", "facts = [\"arm-stowed\", \"analyser-works\"]"),
+        (
+            "name = \"analyse\"\npreconditions = [\"arm-deployed\"]",
+            "name = \"analyse\"\npreconditions = [\"arm-deployed\", \"analyser-works\"]",
+        ),
+        (
+            "[[operator]]\nname = \"drive\"",
+            "[[fault]]
+name = \"arm motor\"
+kind = \"facts-lost\"
+facts = [\"analyser-works\", \"arm-stowed\", \"arm-deployed\"]
+probability = 1.0
+between-s = [400.0, 400.0]
+lasts-s = 1000.0
+
+[[object]]
+name = \"arm\"
+type = \"tool\"
+
+[[type]]
+name = \"tool\"
+
+[[operator]]
+name = \"drive\"",
+        ),
+    ];
+    let mission = small::mission(HILLS, &changes).expect("the mission is sound");
+    let (_, memory) = told(&mission);
+    let words: Vec<&Word> = memory.messages.iter().map(|m| &m.word).collect();
+    let [Word::Facts { deletes, .. }, Word::Facts { adds, .. }] = words[..] else {
+        panic!("{words:?}")
+    };
+    assert_eq!(deletes.len(), 3);
+    assert_eq!(adds, &["analyser-works"], "the arm is for its operators to stow");
+}
+
+#[test]
+fn substitutes_that_go_round_in_a_circle_are_refused() {
+    let circle = (
+        "[[directive]]\nname = \"image\"",
+        "[[directive]]\nname = \"image\"\nsubstitute = \"analyse\"",
+    );
+    let error = small::mission(small::LEVEL, &[circle]).expect_err("a circle").to_string();
+    assert!(error.contains("circle") && error.contains("substitute"), "{error}");
 }

@@ -50,7 +50,9 @@ impl GoalManager {
             let goal = &self.state.goals[&id];
             let numbers =
                 || vec![Term::of("interest", goal.interest), Term::of("prize", goal.prize)];
-            let changed = changes.iter().find(|c| c.transformation != Transformation::Formulation);
+            // That a goal is new is no change of it; that a command wants one that was there is.
+            let changed =
+                changes.iter().find(|c| !born || c.transformation != Transformation::Formulation);
             let mut other = None;
             let (action, reason, terms) = if turn.is_some() {
                 if !was_committed {

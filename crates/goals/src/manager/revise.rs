@@ -89,7 +89,10 @@ impl GoalManager {
     /// Places that keep goals of a kind away.
     fn in_force(&self, kind: Kind) -> impl Iterator<Item = &Retired> {
         self.state.retired.iter().filter(move |r| {
-            r.closed && r.kind.closes(kind) && !self.state.goals.contains_key(&r.goal)
+            // An open goal answers for a place that was opened again; one that left a place for another of its kind does
+            // not.
+            let answered = r.reopenings > 0 && self.state.goals.contains_key(&r.goal);
+            r.closed && r.kind.closes(kind) && !answered
         })
     }
 
@@ -241,6 +244,12 @@ impl GoalManager {
         for (id, target) in lost {
             let distance_m = survey.stand.distance(target) * map.spacing_m();
             let terms = vec![Term::of("distance_m", distance_m)];
+            let goal = &self.state.goals[&id];
+            if let Some(Order { name, prize, mandatory, .. }) = goal.order.clone() {
+                let directive = goal.directive;
+                let wish = Wish::Pursue { directive, target, prize, mandatory };
+                self.state.commands.push(Command { name, wish });
+            }
             self.end(id, Ending::drop(Reason::OffMap, terms, None), survey, revision);
         }
     }
@@ -265,13 +274,19 @@ impl GoalManager {
     fn obey(&mut self, survey: &Survey<'_>, revision: &mut Revision) {
         for Command { name, wish } in std::mem::take(&mut self.state.commands) {
             match wish {
-                Wish::Withdraw => self.withdraw(&name, survey, revision),
-                Wish::Pursue { directive, target, prize, mandatory } => {
-                    if survey.grid().contains(target) {
-                        let order = Order { name, prize: quantised(prize), mandatory };
-                        self.accept(order, directive, target, survey, revision);
-                    }
+                Wish::Withdraw => {
+                    self.state.commands.retain(|waiting| waiting.name != name);
+                    self.withdraw(&name, survey, revision);
                 }
+                Wish::Pursue { directive, target, prize, mandatory }
+                    if survey.grid().contains(target) =>
+                {
+                    let prize = quantised(prize);
+                    let order = Order { name, prize, mandatory, before: None };
+                    self.accept(order, directive, target, survey, revision);
+                }
+                // It waits for the map that the rover works on to reach its place.
+                Wish::Pursue { .. } => self.state.commands.push(Command { name, wish }),
             }
         }
     }
@@ -279,7 +294,7 @@ impl GoalManager {
     /// A goal for a command: the one that is there already, or a new one.
     fn accept(
         &mut self,
-        order: Order,
+        mut order: Order,
         directive: usize,
         target: Cell,
         survey: &Survey<'_>,
@@ -296,6 +311,7 @@ impl GoalManager {
         });
         let terms = vec![Term::of("prize", order.prize)];
         let id = if let Some(goal) = nearest {
+            order.before = Some((goal.directive, goal.target));
             goal.id
         } else {
             let id = GoalId(self.state.next_id);
@@ -327,6 +343,9 @@ impl GoalManager {
             id
         };
         let goal = self.state.goals.get_mut(&id).expect("the goal is open");
+        if goal.target != target {
+            goal.pose = None;
+        }
         (goal.directive, goal.target, goal.order) = (directive, target, Some(order));
         revision.change(id, Change::new(Reason::Commanded, terms));
         self.weigh_anew(id, survey, revision);
@@ -336,11 +355,12 @@ impl GoalManager {
     fn withdraw(&mut self, name: &str, survey: &Survey<'_>, revision: &mut Revision) {
         let wanted = |goal: &&Goal| goal.order.as_ref().is_some_and(|order| order.name == name);
         let Some(goal) = self.state.goals.values().find(wanted) else { return };
-        let (id, prize, from_map) = (goal.id, goal.prize, goal.region_cells > 0);
+        let (id, prize) = (goal.id, goal.prize);
+        let before = goal.order.as_ref().and_then(|order| order.before);
         let terms = vec![Term::of("prize", prize)];
-        if from_map {
+        if let Some((directive, target)) = before {
             let goal = self.state.goals.get_mut(&id).expect("the goal is open");
-            goal.order = None;
+            (goal.directive, goal.target, goal.order, goal.pose) = (directive, target, None, None);
             revision.change(id, Change::new(Reason::Withdrawn, terms));
         } else {
             self.end(id, Ending::drop(Reason::Withdrawn, terms, None), survey, revision);
@@ -711,6 +731,11 @@ impl GoalManager {
         let u = (survey.class)(goal.target).map_or(1.0, |(_, u)| u);
         let terms = vec![Term::against("class uncertainty", u, self.spec.clear_below)];
         match best {
+            // A goal that failed, or was eroded, keeps its weaker directive.
+            Some(new)
+                if suits
+                    && narrower(new)
+                    && (goal.attempts > 0 || self.erodes_to(new, goal.directive)) => {}
             Some(new) if suits && narrower(new) => {
                 self.state.goals.get_mut(&id).expect("the goal is open").directive = new;
                 revision.change(id, Change::new(Reason::Concretised, terms));
@@ -1057,6 +1082,10 @@ impl GoalManager {
         let directive = goal.directive;
         let wanted = &self.directives[directive];
         let kind = wanted.kind;
+        // Leaving a place is a try that failed.
+        if goal.attempts + 1 >= wanted.max_attempts {
+            return false;
+        }
         let Some(view) = survey.view(kind) else { return false };
         let spacing = survey.spacing_m();
         let speaks = |cell: Cell| (f64::from(view.interest[cell]), (survey.credit)(cell));
@@ -1101,6 +1130,7 @@ impl GoalManager {
             let goal = self.state.goals.get_mut(&id).expect("the goal is open");
             goal.target = site.peak;
             goal.pose = None;
+            goal.attempts += 1;
             goal.prominence = site.prominence;
             goal.region_cells = site.region.len();
             goal.extent = extent(site);

@@ -104,7 +104,9 @@ impl GoalManager {
         out.sort_by(|a, b| b.prize.total_cmp(&a.prize).then(a.id.cmp(&b.id)));
         let problem = &weighed.problem;
         out.into_iter().find_map(|goal| {
-            let weaker = self.directives[goal.directive].substitute?;
+            let strong = &self.directives[goal.directive];
+            let weaker =
+                strong.substitute.filter(|&w| self.directives[w].weight <= strong.weight)?;
             problem.domain.expand(problem.facts, self.directives[weaker].achieves)?;
             let tried = tried.get_or_insert_with(|| Tried::new(problem));
             let Refusal { reason, terms, .. } = self.why_not(goal, weighed, tried);

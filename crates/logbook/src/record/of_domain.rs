@@ -134,7 +134,9 @@ fn trigger(trigger: &core::Trigger) -> Trigger {
     use core::Trigger as Why;
     let named = Trigger { name: trigger.name().to_owned(), ..Trigger::default() };
     match *trigger {
-        Why::GoalEnded(goal) | Why::LegFailed(goal) => Trigger { goal: Some(goal.0), ..named },
+        Why::GoalEnded(goal) | Why::LegFailed(goal) | Why::LegInterrupted(goal) => {
+            Trigger { goal: Some(goal.0), ..named }
+        }
         Why::InterestChanged { goal, before, after } | Why::Conflict { goal, before, after } => {
             Trigger { goal: Some(goal.0), before: finite(before), after: finite(after), ..named }
         }
@@ -193,6 +195,8 @@ fn goal(goal: &goals::Goal, setting: &Setting) -> Goal {
         name: order.name.clone(),
         prize: order.prize,
         mandatory: order.mandatory,
+        directive_before: order.before.map(|(directive, _)| directive as u32),
+        target_before: order.before.map(|(_, target)| target.into()),
     });
     Goal {
         id: id.0,

@@ -124,6 +124,13 @@ impl Reading<'_> {
                 name: order.name.clone(),
                 prize: finite("order.prize", order.prize)?,
                 mandatory: order.mandatory,
+                before: match (order.directive_before, &order.target_before) {
+                    (Some(directive), target @ Some(_)) => {
+                        let target = self.cell(&field("order.target_before"), target.as_ref())?;
+                        Some((directive as usize, target))
+                    }
+                    _ => None,
+                },
             }),
         };
         let pose = match &goal.pose {

@@ -108,6 +108,7 @@ fn goal(id: u32) -> Goal {
             name: "go there".to_owned(),
             prize: 0.8,
             mandatory: true,
+            before: Some((0, Cell::new(1, 1))),
         }),
         pose: Some(Cell::new(2, 1)),
         operators: vec![1, 2],
