@@ -79,7 +79,7 @@ fn from_sol_992_the_manager_goes_to_elk_before_it_hears_of_silica() {
         let done = fate.done_before.as_ref().expect("the ledge at Elk is its first goal");
         assert_eq!(done.achievement.directive, "analyse-outcrop");
         assert!(done.distance < 3.0, "{} cells", done.distance);
-        // What was analysed is closed, whatever is heard of it later.
+        // The ground about it is closed, and what silica says of it does not open it at once.
         assert!(fate.turn().is_none() && fate.why.contains("has closed the place"), "{}", fate.why);
     }
 }
@@ -95,6 +95,7 @@ fn from_sol_997_silica_above_the_highest_edge_puts_elk_into_the_plan() {
     let standing = rich.after.expect("it has a turn");
     let elk = elk().world.execution().readings[0].cell;
     assert_eq!(standing.goal.target, elk, "the maximum is the reading's own cell");
+    assert_eq!(standing.directive, "analyse-silica");
 }
 
 #[test]

@@ -124,7 +124,7 @@ pub(crate) fn sweep(
         out,
         "before: turn of a goal there in the last plan without the reading. Others: its turn in the first plan with it \
          (without: at the same time, no reading), - none, < the rover turns to it at once and was on its way \
-         elsewhere, * carried out within two hours, done: carried out before, and closed.\n"
+         elsewhere, * carried out within two hours, done: carried out before that plan, and none there in it.\n"
     )?;
     writeln!(
         out,

@@ -16,14 +16,17 @@ pub(crate) struct Spot {
     pub(crate) radius: f64,
     /// From which mission time on the reading is known, seconds.
     pub(crate) at_s: f64,
+    /// Side of a cell, metres.
+    spacing_m: f64,
 }
 
 impl Spot {
     /// The place of a mission's first reading; there is what the goal manager takes for the same place.
     pub(crate) fn of(mission: &Mission) -> Option<Self> {
         let reading = mission.world.execution().readings.first()?;
-        let radius = mission.spec.manager.identity_radius_m / mission.spec.grid.spacing_m();
-        Some(Self { cell: reading.cell, radius, at_s: reading.at_s })
+        let spacing_m = mission.spec.grid.spacing_m();
+        let radius = mission.spec.manager.identity_radius_m / spacing_m;
+        Some(Self { cell: reading.cell, radius, at_s: reading.at_s, spacing_m })
     }
 
     fn holds(&self, cell: Cell) -> bool {
@@ -88,7 +91,7 @@ pub(crate) struct Fate {
     pub(crate) sent: bool,
     /// The reason in words, with its numbers.
     pub(crate) why: String,
-    /// Done there before the reading was known.
+    /// Done there when that decision was taken: before the reading came, or in the step in which it came.
     pub(crate) done_before: Option<Done>,
     /// Done there afterwards.
     pub(crate) done_after: Option<Done>,
@@ -127,9 +130,9 @@ pub(crate) fn fate(mission: &Mission, spot: &Spot, until: Until) -> Result<Fate,
     let decisions = &record.decisions;
     let after = decisions.iter().find(|decision| spot.is_known_to(decision));
     let before = decisions.iter().rev().find(|decision| !spot.is_known_to(decision));
+    let taken_s = after.map_or(spot.at_s, |decision| decision.state.spent.time_s);
     let done = |late: bool| {
-        let here =
-            |goal: &&Achievement| spot.holds(goal.target) && (goal.time_s >= spot.at_s) == late;
+        let here = |goal: &&Achievement| spot.holds(goal.target) && (goal.time_s > taken_s) == late;
         summary.achieved.iter().find(here).map(|goal| Done {
             achievement: goal.clone(),
             distance: spot.cell.distance(goal.target),
@@ -201,23 +204,16 @@ fn why(decision: &Decision, standing: Option<&Standing>, spot: &Spot) -> String 
     text
 }
 
-/// Why a decision knows of no goal at the place.
+/// Why a decision knows of no goal at the place: what stands out there, and what was done about it.
 fn why_none(decision: &Decision, spot: &Spot) -> String {
-    let closed = decision.manager_after.retired.iter().find(|retired| {
-        retired.closed && retired.target.distance(spot.cell) <= retired.radius_m.max(spot.radius)
-    });
-    if let Some(retired) = closed {
-        return format!(
-            "no goal: {} at ({}, {}), {:.1} cells off, has closed the place ({})",
-            retired.goal,
-            retired.target.row,
-            retired.target.col,
-            retired.target.distance(spot.cell),
-            retired.reason
-        );
-    }
-    let site = decision.sites.iter().find(|site| spot.holds(site.peak));
-    site.map_or_else(
+    let distance = |cell: Cell| spot.cell.distance(cell);
+    let here = decision.sites.iter().filter(|site| spot.holds(site.peak));
+    let site = here.min_by(|a, b| distance(a.peak).total_cmp(&distance(b.peak)));
+    let place = site.map_or(spot.cell, |site| site.peak);
+    let closes = |retired: &&Retired| {
+        retired.closed && retired.target.distance(place) * spot.spacing_m <= retired.radius_m
+    };
+    let mut text = site.map_or_else(
         || "no goal: no maximum there stands out enough".to_owned(),
         |site| {
             format!(
@@ -225,5 +221,18 @@ fn why_none(decision: &Decision, spot: &Spot) -> String {
                 site.peak.row, site.peak.col, site.prize, site.prominence
             )
         },
-    )
+    );
+    if let Some(Retired { goal, target, reason, .. }) =
+        decision.manager_after.retired.iter().find(closes)
+    {
+        write!(
+            text,
+            "; {goal} at ({}, {}), {:.1} cells off, has closed the place ({reason})",
+            target.row,
+            target.col,
+            target.distance(place)
+        )
+        .expect("a string takes all that is written");
+    }
+    text
 }
