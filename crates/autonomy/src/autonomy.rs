@@ -442,7 +442,13 @@ impl Autonomy {
             && let Some(before) = self.manager.erode(goal, weaker, terms, &mut revision)
         {
             let mut poses = weighing.poses.clone();
-            poses.insert(goal, standing.poses(before.target, weaker));
+            // From poses there are already no new travel has to be worked out.
+            let mut kept = poses.remove(&goal).unwrap_or_default();
+            kept.retain(|(pose, _)| standing.serves(*pose, before.target, weaker));
+            if kept.is_empty() {
+                kept = standing.poses(before.target, weaker);
+            }
+            poses.insert(goal, kept);
             let again = weigh(&standing, &self.manager, &mut self.travel, poses, asked, watch);
             if again.selection.sequence().goals().any(|id| id == goal) {
                 weighing = again;
