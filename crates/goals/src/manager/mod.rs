@@ -2,6 +2,8 @@
 //! sequence for stated reasons, and are given up when they must be.
 
 mod commit;
+mod orders;
+mod reach;
 mod revise;
 mod select;
 mod shortlist;

@@ -8,8 +8,7 @@ use pathfinding::matrix::Matrix;
 use wisdom_grid::{Cell, Window};
 
 use super::{
-    Access, Command, Event, GROUND_UNSEEN, GoalManager, Poses, Retired, Revision, Survey, Tries,
-    View, Wish,
+    Command, Event, GROUND_UNSEEN, GoalManager, Retired, Revision, Survey, Tries, View, Wish,
 };
 use crate::lifecycle::{
     Committed, Diary, Dispatched, Dropped, Evaluated, Expanded, Finished, Found, In, Life, Outcome,
@@ -24,7 +23,7 @@ use crate::{
 const SETTLED_SHARE: f64 = 0.5;
 
 /// How a goal leaves the open ones.
-struct Ending {
+pub(super) struct Ending {
     action: Action,
     reason: Reason,
     other: Option<GoalId>,
@@ -32,7 +31,7 @@ struct Ending {
 }
 
 impl Ending {
-    fn drop(reason: Reason, terms: Vec<Term>, other: Option<GoalId>) -> Self {
+    pub(super) fn drop(reason: Reason, terms: Vec<Term>, other: Option<GoalId>) -> Self {
         Self { action: Action::Drop, reason, other, terms }
     }
 }
@@ -135,7 +134,7 @@ impl GoalManager {
     }
 
     /// Looks after the goals that are there until nothing ends any more, and formulates those that are not.
-    fn see(&mut self, survey: &Survey<'_>, revision: &mut Revision) {
+    pub(super) fn see(&mut self, survey: &Survey<'_>, revision: &mut Revision) {
         let scenes = loop {
             let mut scenes: Vec<Scene<'_>> =
                 Kind::ALL.iter().filter_map(|&kind| self.scene(kind, survey)).collect();
@@ -270,103 +269,6 @@ impl GoalManager {
         }
     }
 
-    /// Carries out what the ground asked for.
-    fn obey(&mut self, survey: &Survey<'_>, revision: &mut Revision) {
-        for Command { name, wish } in std::mem::take(&mut self.state.commands) {
-            match wish {
-                Wish::Withdraw => {
-                    self.state.commands.retain(|waiting| waiting.name != name);
-                    self.withdraw(&name, survey, revision);
-                }
-                Wish::Pursue { directive, target, prize, mandatory }
-                    if survey.grid().contains(target) =>
-                {
-                    let prize = quantised(prize);
-                    let order = Order { name, prize, mandatory, before: None };
-                    self.accept(order, directive, target, survey, revision);
-                }
-                // It waits for the map that the rover works on to reach its place.
-                Wish::Pursue { .. } => self.state.commands.push(Command { name, wish }),
-            }
-        }
-    }
-
-    /// A goal for a command: the one that is there already, or a new one.
-    fn accept(
-        &mut self,
-        mut order: Order,
-        directive: usize,
-        target: Cell,
-        survey: &Survey<'_>,
-        revision: &mut Revision,
-    ) {
-        let kind = self.directives[directive].kind;
-        let near = self.state.goals.values().filter(|goal| {
-            goal.order.is_none()
-                && self.directives[goal.directive].kind == kind
-                && self.same_place(goal.target, target, survey)
-        });
-        let nearest = near.min_by(|a, b| {
-            a.target.distance(target).total_cmp(&b.target.distance(target)).then(a.id.cmp(&b.id))
-        });
-        let terms = vec![Term::of("prize", order.prize)];
-        let id = if let Some(goal) = nearest {
-            order.before = Some((goal.directive, goal.target));
-            goal.id
-        } else {
-            let id = GoalId(self.state.next_id);
-            self.state.next_id += 1;
-            let goal = Goal {
-                id,
-                directive,
-                target,
-                interest: 0.0,
-                prize: order.prize,
-                prominence: 0.0,
-                ignorance: 0.0,
-                paradox: 0.0,
-                contradiction: 0.0,
-                credit: Vec::new(),
-                region_cells: 0,
-                extent: survey.grid().around(target, 0),
-                doubt: (survey.doubt)(target),
-                attempts: 0,
-                born: self.state.decision,
-                parent: None,
-                order: None,
-                pose: None,
-                operators: Vec::new(),
-                life: Life::BORN,
-            };
-            revision.born.insert(id);
-            self.state.goals.insert(id, goal);
-            id
-        };
-        let goal = self.state.goals.get_mut(&id).expect("the goal is open");
-        if goal.target != target {
-            goal.pose = None;
-        }
-        (goal.directive, goal.target, goal.order) = (directive, target, Some(order));
-        revision.change(id, Change::new(Reason::Commanded, terms));
-        self.weigh_anew(id, survey, revision);
-    }
-
-    /// Ends the goal of a command that was taken back, or leaves it to the map that had it before.
-    fn withdraw(&mut self, name: &str, survey: &Survey<'_>, revision: &mut Revision) {
-        let wanted = |goal: &&Goal| goal.order.as_ref().is_some_and(|order| order.name == name);
-        let Some(goal) = self.state.goals.values().find(wanted) else { return };
-        let (id, prize) = (goal.id, goal.prize);
-        let before = goal.order.as_ref().and_then(|order| order.before);
-        let terms = vec![Term::of("prize", prize)];
-        if let Some((directive, target)) = before {
-            let goal = self.state.goals.get_mut(&id).expect("the goal is open");
-            (goal.directive, goal.target, goal.order, goal.pose) = (directive, target, None, None);
-            revision.change(id, Change::new(Reason::Withdrawn, terms));
-        } else {
-            self.end(id, Ending::drop(Reason::Withdrawn, terms, None), survey, revision);
-        }
-    }
-
     /// Goals whose directive nothing can bring about any more follow the first of its substitutes that still can be.
     fn fall_back(&mut self, survey: &Survey<'_>, revision: &mut Revision) {
         let able: Vec<bool> = (0..self.directives.len()).map(survey.able).collect();
@@ -414,7 +316,7 @@ impl GoalManager {
         self.state.tries = tries;
     }
 
-    fn same_place(&self, a: Cell, b: Cell, survey: &Survey<'_>) -> bool {
+    pub(super) fn same_place(&self, a: Cell, b: Cell, survey: &Survey<'_>) -> bool {
         a.distance(b) * survey.spacing_m() <= self.spec.identity_radius_m
     }
 
@@ -699,13 +601,13 @@ impl GoalManager {
     }
 
     /// The type of the object at a cell, as far as its class is clear.
-    fn type_at(&self, cell: Cell, survey: &Survey<'_>) -> Option<usize> {
+    pub(super) fn type_at(&self, cell: Cell, survey: &Survey<'_>) -> Option<usize> {
         let (class, u) = (survey.class)(cell)?;
         self.spec.taxonomy.type_of(class, u, self.spec.clear_below)
     }
 
     /// Whether a directive is for objects like the one at a cell.
-    fn suits(&self, directive: usize, object: Option<usize>) -> bool {
+    pub(super) fn suits(&self, directive: usize, object: Option<usize>) -> bool {
         match (self.directives[directive].object, object) {
             (None, _) => true,
             (Some(_), None) => false,
@@ -769,7 +671,12 @@ impl GoalManager {
     /// Reads a goal's numbers off the map, and drops it if its interest is below what its directive asks or
     /// its prize is gone; says whether it stays. (Credit chose the directive when the goal was born; it does not end a
     /// goal.)
-    fn weigh_anew(&mut self, id: GoalId, survey: &Survey<'_>, revision: &mut Revision) -> bool {
+    pub(super) fn weigh_anew(
+        &mut self,
+        id: GoalId,
+        survey: &Survey<'_>,
+        revision: &mut Revision,
+    ) -> bool {
         let prize = self.prize_at(&self.state.goals[&id], survey);
         let goal = self.state.goals.get_mut(&id).expect("the goal is open");
         let before = goal.interest;
@@ -935,7 +842,13 @@ impl GoalManager {
     }
 
     /// Takes a goal out of the open ones and writes its last verdict.
-    fn end(&mut self, id: GoalId, ending: Ending, survey: &Survey<'_>, revision: &mut Revision) {
+    pub(super) fn end(
+        &mut self,
+        id: GoalId,
+        ending: Ending,
+        survey: &Survey<'_>,
+        revision: &mut Revision,
+    ) {
         let Ending { action, reason, other, terms } = ending;
         let Some(mut goal) = self.state.goals.remove(&id) else { return };
         let changes = revision.changes.remove(&id).unwrap_or_default();
@@ -974,7 +887,7 @@ impl GoalManager {
     }
 
     /// Remembers where the goal that just ended was.
-    fn retire(
+    pub(super) fn retire(
         &mut self,
         id: GoalId,
         radius_m: f64,
@@ -1011,160 +924,10 @@ impl GoalManager {
             closed: true,
         });
     }
-
-    /// Looks after committed goals whose poses went: another pose may serve, or another place of their kind; those that
-    /// nothing serves any more are given up. The others stay known: the map may open.
-    pub fn keep_in_reach(
-        &mut self,
-        poses: &mut Poses,
-        access: Access<'_>,
-        survey: &Survey<'_>,
-        revision: &mut Revision,
-    ) {
-        while self.give_up_unreachable(poses, access, survey, revision) {
-            // A place that was given up closes the ground around it, and may set a maximum free.
-            self.see(survey, revision);
-            *poses = self
-                .state
-                .goals
-                .values()
-                .map(|goal| (goal.id, (access.poses)(goal.target, goal.directive)))
-                .collect();
-        }
-    }
-
-    /// Says whether a goal was given up.
-    fn give_up_unreachable(
-        &mut self,
-        poses: &mut Poses,
-        access: Access<'_>,
-        survey: &Survey<'_>,
-        revision: &mut Revision,
-    ) -> bool {
-        let ended = revision.ended.len();
-        let committed: Vec<GoalId> =
-            self.state.goals.values().filter(|g| g.status().is_committed()).map(|g| g.id).collect();
-        for id in committed {
-            let Some(goal) = self.state.goals.get_mut(&id) else { continue };
-            let offered = poses.get(&id).map_or(0, Vec::len);
-            let lost =
-                goal.pose.is_some_and(|pose| !(access.serves)(pose, goal.target, goal.directive));
-            if offered > 0 {
-                if lost {
-                    goal.pose = None;
-                    let terms = vec![Term::of("poses", offered as f64)];
-                    revision.change(id, Change::new(Reason::PoseLost, terms));
-                }
-                continue;
-            }
-            if self.generalise(id, poses, access, survey, revision) {
-                continue;
-            }
-            let radius_m = self.spec.identity_radius_m;
-            let terms = vec![Term::against("poses", 0.0, 1.0)];
-            self.end(id, Ending::drop(Reason::Unreachable, terms, None), survey, revision);
-            self.retire(id, radius_m, Reason::Unreachable, survey, revision);
-        }
-        revision.ended.len() > ended
-    }
-
-    /// Moves a goal whose target cannot be reached to the best reachable place of its kind nearby that no committed goal
-    /// has, if its directive allows that. A goal that had the place is merged into it. Says whether there was one.
-    fn generalise(
-        &mut self,
-        id: GoalId,
-        poses: &mut Poses,
-        access: Access<'_>,
-        survey: &Survey<'_>,
-        revision: &mut Revision,
-    ) -> bool {
-        let goal = &self.state.goals[&id];
-        let directive = goal.directive;
-        let wanted = &self.directives[directive];
-        let kind = wanted.kind;
-        // Leaving a place is a try that failed.
-        if goal.attempts + 1 >= wanted.max_attempts {
-            return false;
-        }
-        let Some(view) = survey.view(kind) else { return false };
-        let spacing = survey.spacing_m();
-        let speaks = |cell: Cell| (f64::from(view.interest[cell]), (survey.credit)(cell));
-        for site in view.sites {
-            let distance_m = site.peak.distance(goal.target) * spacing;
-            let here = distance_m <= self.spec.identity_radius_m
-                || site.region.binary_search(&goal.target).is_ok();
-            if here
-                || distance_m > wanted.generalise_m
-                || self.explained_by(site, kind, spacing, &speaks).is_some()
-                || !self.suits(directive, self.type_at(site.peak, survey))
-                || !wanted.accepts(f64::from(view.interest[site.peak]), &(survey.credit)(site.peak))
-            {
-                continue;
-            }
-            let owner = self.state.goals.values().find(|other| {
-                other.id != id
-                    && self.directives[other.directive].kind == wanted.kind
-                    && (self.same_place(other.target, site.peak, survey)
-                        || site.region.binary_search(&other.target).is_ok())
-            });
-            if owner.is_some_and(|owner| owner.status().is_committed() || owner.order.is_some()) {
-                continue;
-            }
-            let ways = (access.poses)(site.peak, directive);
-            if ways.is_empty() {
-                continue;
-            }
-            let owner = owner.map(|owner| owner.id);
-            let (from, moved_m) = (goal.target, distance_m);
-            let prize = quantised(wanted.weight * site.prize);
-            let terms = vec![
-                Term::against("poses", 0.0, 1.0),
-                Term::against("prize", prize, goal.prize),
-                Term::against("moved_m", moved_m, wanted.generalise_m),
-            ];
-            if let Some(owner) = owner {
-                let merged = vec![Term::of("prize", self.state.goals[&owner].prize)];
-                self.end(owner, Ending::drop(Reason::Merged, merged, Some(id)), survey, revision);
-                poses.remove(&owner);
-            }
-            let goal = self.state.goals.get_mut(&id).expect("the goal is open");
-            goal.target = site.peak;
-            goal.pose = None;
-            goal.attempts += 1;
-            goal.prominence = site.prominence;
-            goal.region_cells = site.region.len();
-            goal.extent = extent(site);
-            poses.insert(id, ways);
-            revision.change(id, Change::new(Reason::Generalised, terms));
-            self.weigh_anew(id, survey, revision);
-            self.close_unreachable(id, from, kind, survey);
-            return true;
-        }
-        false
-    }
-
-    /// Closes a place that a goal left because nothing reaches it, so that it is not wanted again until its ground changes.
-    fn close_unreachable(&mut self, goal: GoalId, target: Cell, kind: Kind, survey: &Survey<'_>) {
-        let ground = (survey.ground)(target).unwrap_or(GROUND_UNSEEN);
-        let radius_m = self.spec.identity_radius_m;
-        let reason = Reason::Unreachable;
-        let heard = (survey.heard)(target);
-        self.state.retired.push(Retired {
-            goal,
-            kind,
-            target,
-            radius_m,
-            reason,
-            heard,
-            ground,
-            reopenings: 0,
-            closed: true,
-        });
-    }
 }
 
 /// The smallest window around a site's region.
-fn extent(site: &Site) -> Window {
+pub(super) fn extent(site: &Site) -> Window {
     let one = |cell: &Cell| Window { row: cell.row, col: cell.col, rows: 1, cols: 1 };
     site.region.iter().map(one).reduce(Window::union).unwrap_or_else(|| one(&site.peak))
 }
