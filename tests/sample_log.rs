@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use wisdom_logbook::{LogReader, Status, record};
+use wisdom_logbook::{LogReader, Status, VerifyLevel, record};
 
 fn sample(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("logs/sample").join(name)
@@ -39,6 +39,7 @@ fn the_newest_sample_is_decided_again() {
         versions.iter().all(|v| *v == record::DECISION_VERSION),
         "DECISION_VERSION was raised: add a sample made with it"
     );
-    let verified = wisdom_logbook::verify(&path, &mut |_| {}).expect("the mission inside loads");
+    let verified = wisdom_logbook::verify(&path, VerifyLevel::Redecide, &mut |_| {})
+        .expect("the mission inside loads");
     assert_eq!(verified.difference, None, "decisions changed: raise DECISION_VERSION and say why");
 }

@@ -78,7 +78,7 @@ fn is_input(error: &(dyn std::error::Error + 'static)) -> bool {
     if let Some(replay) = error.downcast_ref::<ReplayError>() {
         return match replay {
             ReplayError::Log(log) => is_input(log),
-            ReplayError::Mission(_) => true,
+            ReplayError::Mission(_) | ReplayError::Unfit { .. } => true,
             _ => false,
         };
     }

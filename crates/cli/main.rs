@@ -11,6 +11,7 @@ mod export;
 mod figure;
 mod mission_args;
 mod paper;
+mod redecide;
 mod replay;
 mod rules;
 mod run;
@@ -44,6 +45,8 @@ enum Command {
     Explain(explain::ExplainArgs),
     /// Derive every decision of a log again from its logged inputs and compare.
     Verify(verify::VerifyArgs),
+    /// Take every logged decision again under another rule, policy or value.
+    Redecide(redecide::RedecideArgs),
     /// Run the same worlds under several fusion rules and compare the goal sequences.
     Compare(compare::CompareArgs),
     // Without a doc comment: one here would hide that of `CampaignArgs`, which says what the folder holds.
@@ -72,6 +75,7 @@ fn main() -> ExitCode {
         Command::Replay(args) => replay::run(&args),
         Command::Explain(args) => explain::run(&args),
         Command::Verify(args) => verify::run(&args),
+        Command::Redecide(args) => redecide::run(&args),
         Command::Compare(args) => compare::run(&args),
         Command::Campaign(args) => campaign::run(&args),
         Command::Show(args) => show::run(&args),

@@ -23,19 +23,25 @@ impl MissionArgs {
     pub(crate) fn load(&self, more: &[Override]) -> Result<Mission, MissionError> {
         let mut overrides = more.to_vec();
         overrides.extend(self.policy.iter().map(|p| Override::new("policy", quoted(p))));
-        for change in &self.set {
-            let (key, value) = change.split_once('=').ok_or_else(|| {
-                MissionError::of_file("--set", format!("`{change}`; expected KEY=VALUE"))
-            })?;
-            let key = key.trim();
-            if overrides.iter().any(|o| o.key == key) {
-                let message = format!("`{change}`: `{key}` is given twice");
-                return Err(MissionError::of_file("--set", message));
-            }
-            overrides.push(Override::new(key, value.trim()));
-        }
+        changes(&mut overrides, &self.set)?;
         Mission::load(&self.mission, &overrides)
     }
+}
+
+/// Adds what `--set` asks for to changes that other options ask for.
+pub(crate) fn changes(overrides: &mut Vec<Override>, set: &[String]) -> Result<(), MissionError> {
+    for change in set {
+        let (key, value) = change.split_once('=').ok_or_else(|| {
+            MissionError::of_file("--set", format!("`{change}`; expected KEY=VALUE"))
+        })?;
+        let key = key.trim();
+        if overrides.iter().any(|o| o.key == key) {
+            let message = format!("`{change}`: `{key}` is given twice");
+            return Err(MissionError::of_file("--set", message));
+        }
+        overrides.push(Override::new(key, value.trim()));
+    }
+    Ok(())
 }
 
 /// Text as a TOML string, so that a name is never taken for a number or a date.

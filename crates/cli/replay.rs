@@ -110,7 +110,7 @@ fn ending(out: &mut dyn Write, log: &LogReader) -> std::io::Result<()> {
     }
 }
 
-fn place(cell: Option<&record::Cell>) -> String {
+pub(crate) fn place(cell: Option<&record::Cell>) -> String {
     cell.map_or_else(|| "?".to_owned(), |c| format!("({}, {})", c.row, c.col))
 }
 
@@ -136,7 +136,7 @@ pub(crate) fn trigger(trigger: &Trigger) -> String {
 }
 
 /// Numbers compared, in words.
-fn terms(terms: &[record::Term]) -> String {
+pub(crate) fn terms(terms: &[record::Term]) -> String {
     let told = terms.iter().map(|t| {
         let value = t.value.map_or_else(|| "unbounded".to_owned(), |v| format!("{v:.3}"));
         match t.limit {

@@ -15,8 +15,8 @@ use crate::maps::Digester;
 use crate::weighing::{Asked, Standing, weigh};
 use crate::{
     Act, AutonomyError, Decision, Deliberation, Digest, Digests, FrontOf, Knowledge,
-    MIN_WORKING_CELLS, Maps, Message, Objectives, Observation, Outcome, Pace, PlanOption, Pose,
-    RoverState, Source, Spec, Spent, Stage, StepResult, Trigger, Triggers, Wake, Watch, Word,
+    MIN_WORKING_CELLS, Maps, Message, Moment, Objectives, Observation, Outcome, Pace, PlanOption,
+    Pose, RoverState, Source, Spec, Spent, Stage, StepResult, Trigger, Triggers, Wake, Watch, Word,
 };
 
 /// Cells around a goal whose ground decides whether a place given up may be tried again.
@@ -356,6 +356,58 @@ impl Autonomy {
         let decision = self.deliberate(&maps, watch);
         self.maps = Some(maps);
         decision
+    }
+
+    /// Decides from a moment of another run, or of this one, on the readings this core has taken in: everything else it
+    /// remembers is set to the moment first. A core of the same spec that observed the same decides as that run did;
+    /// one of another spec decides as it would have in its place.
+    ///
+    /// Between two moments such a core is fed observations alone: what came of steps and what was heard is in the
+    /// moments.
+    ///
+    /// # Errors
+    /// [`AutonomyError::Moment`] if the moment speaks of what this core's spec does not have; else as
+    /// [`Autonomy::decide`].
+    pub fn decide_at(&mut self, moment: Moment) -> Result<Decision, AutonomyError> {
+        let Moment { number, triggers, state, map_changed } = moment;
+        let RoverState { pose, spent, facts, underway, idle_looks, manager } = state;
+        self.check_cell(pose.cell)?;
+        let wrong = |why: String| AutonomyError::Moment { number, why };
+        let pool = self.manager.directives();
+        if let Some(goal) = manager.goals.values().find(|goal| goal.directive >= pool.len()) {
+            let (id, index, known) = (goal.id, goal.directive, pool.len());
+            return Err(wrong(format!("{id} follows directive {index} of {known}")));
+        }
+        let places = manager.goals.values().map(|goal| goal.target);
+        for place in places.chain(manager.retired.iter().map(|place| place.target)) {
+            self.check_cell(place)?;
+        }
+        let known = manager.agenda.iter().chain(&underway);
+        if let Some(id) = known.into_iter().find(|id| !manager.goals.contains_key(id)) {
+            return Err(wrong(format!("{id} is committed to, but no goal")));
+        }
+        if facts.bits().checked_shr(self.spec.domain.facts().len() as u32).unwrap_or(0) != 0 {
+            return Err(wrong("a fact holds that the domain does not have".to_owned()));
+        }
+        self.pose = pose;
+        self.spent = spent;
+        self.facts = facts;
+        self.told.clear();
+        self.acting = false;
+        self.underway = underway.map(|goal| Underway {
+            goal,
+            route: Route { cells: Vec::new(), cost: CostVector::ZERO },
+            energy_at_start_j: spent.energy_j,
+            prizes: Vec::new(),
+        });
+        self.idle_looks = idle_looks;
+        self.manager.restore(manager);
+        self.triggers = triggers;
+        self.decisions = number;
+        let version = self.knowledge.version();
+        self.decided_version = if map_changed { version.wrapping_sub(1) } else { version };
+        self.derive_maps(None, &mut |_| {})?;
+        self.decide()
     }
 
     /// What messages said of the facts holds from now on.

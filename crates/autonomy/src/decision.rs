@@ -344,6 +344,19 @@ pub struct RoverState {
     pub manager: ManagerState,
 }
 
+/// A moment at which a decision was taken: all it depends on besides the spec and the readings.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Moment {
+    /// Number of the decision, from 0.
+    pub number: u32,
+    /// Why it was due.
+    pub triggers: Vec<Trigger>,
+    /// What the rover was.
+    pub state: RoverState,
+    /// Whether any reading changed since the decision before.
+    pub map_changed: bool,
+}
+
 /// A decision: what was known, what was weighed, what was chosen and why.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Decision {

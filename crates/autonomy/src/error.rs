@@ -105,6 +105,14 @@ pub enum AutonomyError {
         /// What is wrong with it.
         why: String,
     },
+    /// A moment speaks of something that the spec does not have.
+    #[error("decision {number} cannot be taken again: {why}")]
+    Moment {
+        /// Number of the decision.
+        number: u32,
+        /// What is wrong with it.
+        why: String,
+    },
     /// An outcome names an operator that the domain does not have, or one whose preconditions do not hold.
     #[error("operator `{operator}` cannot have been carried out: {why}")]
     Operator {

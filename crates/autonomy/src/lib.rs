@@ -14,7 +14,8 @@ mod weighing;
 
 pub use autonomy::Autonomy;
 pub use decision::{
-    Act, Decision, Digest, Digests, FrontOf, Objectives, PlanOption, RoverState, Trigger, Wake,
+    Act, Decision, Digest, Digests, FrontOf, Moment, Objectives, PlanOption, RoverState, Trigger,
+    Wake,
 };
 pub use deliberation::Deliberation;
 pub use error::AutonomyError;

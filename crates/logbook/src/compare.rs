@@ -2,7 +2,9 @@
 
 use std::fmt::{self, Write as _};
 
+use prost::Message as _;
 use serde_json::Value;
+use wisdom_grid::{Cell, Raster};
 
 use crate::record::Decision;
 
@@ -31,7 +33,7 @@ pub const STAGES: [(&str, &str); 13] = [
 const ABSENT: &str = "absent";
 
 /// The first difference of two decisions.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Difference {
     /// Number of the left decision.
     pub decision: u32,
@@ -45,14 +47,68 @@ pub struct Difference {
     pub right: String,
     /// How many numbers an f64 can be lie between the two, if both are such numbers.
     pub ulps: Option<u64>,
+    /// Where the maps behind the two lie furthest apart, if both are at hand and differ.
+    pub map: Option<MapDifference>,
+}
+
+/// The cell at which two maps lie furthest apart.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MapDifference {
+    /// The plane's name, such as `interest`.
+    pub plane: String,
+    /// The cell.
+    pub cell: Cell,
+    /// The left value there.
+    pub left: f32,
+    /// The right value there.
+    pub right: f32,
+    /// Cells that differ.
+    pub cells: usize,
+}
+
+impl MapDifference {
+    /// Where two planes differ most, bit for bit; none if they are the same. Planes of other ground have no cell in
+    /// common to speak of: the left one's first is named, with what it holds on both sides.
+    #[must_use]
+    pub fn between(name: &str, left: &Raster<f32>, right: &Raster<f32>) -> Option<Self> {
+        let mut found: Option<Self> = None;
+        let mut cells = 0;
+        for (cell, &here) in left.iter() {
+            let there = right.get(cell).copied().unwrap_or(f32::NAN);
+            if here.to_bits() == there.to_bits() {
+                continue;
+            }
+            cells += 1;
+            // What is on one side alone lies further apart than anything.
+            let apart = |a: f32, b: f32| {
+                let apart = (f64::from(a) - f64::from(b)).abs();
+                if apart.is_nan() { f64::INFINITY } else { apart }
+            };
+            if found.as_ref().is_none_or(|f| apart(here, there) > apart(f.left, f.right)) {
+                let plane = name.to_owned();
+                found = Some(Self { plane, cell, left: here, right: there, cells: 0 });
+            }
+        }
+        found.map(|found| Self { cells, ..found })
+    }
+}
+
+impl fmt::Display for MapDifference {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { plane, cell, left, right, cells } = self;
+        write!(f, "{plane} differs in {cells} cells, most at {cell}: {left} against {right}")
+    }
 }
 
 impl fmt::Display for Difference {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { decision, stage, path, left, right, ulps } = self;
+        let Self { decision, stage, path, left, right, ulps, map } = self;
         write!(f, "decision {decision}, {stage}: {path} is {left} against {right}")?;
-        match ulps {
-            Some(ulps) => write!(f, " ({ulps} ulp)"),
+        if let Some(ulps) = ulps {
+            write!(f, " ({ulps} ulp)")?;
+        }
+        match map {
+            Some(map) => write!(f, "; {map}"),
             None => Ok(()),
         }
     }
@@ -71,18 +127,60 @@ impl fmt::Display for Difference {
 /// ```
 #[must_use]
 pub fn first_difference(a: &Decision, b: &Decision) -> Option<Difference> {
+    let bare = |decision: &Decision| {
+        let mut decision = decision.clone();
+        decision.chain.clear();
+        decision.encode_to_vec()
+    };
+    // Field by field is for those that differ.
+    if bare(a) == bare(b) {
+        return None;
+    }
     let (left, right) = (json(a), json(b));
     STAGES.into_iter().filter(|&(_, field)| field != "chain").find_map(|(stage, field)| {
         let mut path = field.to_owned();
-        let (left, right) = differ(left.get(field), right.get(field), &mut path)?;
-        let ulps = left.zip(right).and_then(|(left, right)| ulps(left, right));
-        let (left, right) = (show(left), show(right));
-        Some(Difference { decision: a.number, stage, path, left, right, ulps })
+        let pair = differ(left.get(field), right.get(field), &mut path)?;
+        Some(Difference::of(a.number, stage, path, pair))
     })
 }
 
-fn json(decision: &Decision) -> Value {
-    serde_json::to_value(decision).expect("a record has text keys and finite numbers or nulls")
+/// The first difference of two records of one kind, said of a decision and a stage.
+pub(crate) fn record_difference<R: serde::Serialize>(
+    decision: u32,
+    stage: &'static str,
+    name: String,
+    a: &R,
+    b: &R,
+) -> Option<Difference> {
+    let (left, right) = (json(a), json(b));
+    let mut path = name;
+    let pair = differ(Some(&left), Some(&right), &mut path)?;
+    Some(Difference::of(decision, stage, path, pair))
+}
+
+impl Difference {
+    fn of(decision: u32, stage: &'static str, path: String, pair: Pair<'_>) -> Self {
+        let (left, right) = pair;
+        let ulps = left.zip(right).and_then(|(left, right)| ulps(left, right));
+        let (left, right) = (show(left), show(right));
+        Self { decision, stage, path, left, right, ulps, map: None }
+    }
+
+    /// A difference that is told in words.
+    pub(crate) fn told(
+        decision: u32,
+        stage: &'static str,
+        path: impl Into<String>,
+        left: impl Into<String>,
+        right: impl Into<String>,
+    ) -> Self {
+        let (path, left, right) = (path.into(), left.into(), right.into());
+        Self { decision, stage, path, left, right, ulps: None, map: None }
+    }
+}
+
+fn json<R: serde::Serialize>(record: &R) -> Value {
+    serde_json::to_value(record).expect("a record has text keys and finite numbers or nulls")
 }
 
 type Pair<'a> = (Option<&'a Value>, Option<&'a Value>);

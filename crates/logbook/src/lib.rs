@@ -4,20 +4,24 @@ pub mod compare;
 mod error;
 pub mod read;
 pub mod record;
+mod redecide;
 mod replay;
 mod setting;
 mod store;
+mod verify;
 mod view;
 pub mod write;
 
-pub use compare::{Difference, first_difference};
+pub use compare::{Difference, MapDifference, first_difference};
 pub use error::LogError;
 pub use read::{Entry, LogReader, RunEnd, Status};
-pub use replay::{
-    Past, ReplayError, Verification, begin, causal_dot, derive_at, mission_of, verify,
+pub use redecide::{
+    Parting, Redecided, Retaken, Scores, Terms, mission_with, parting, redecide, side_by_side,
 };
+pub use replay::{Past, ReplayError, begin, causal_dot, derive_at, mission_of};
 pub use setting::{DecisionMaps, Setting};
 pub use store::{PartFile, Store, SyncPolicy};
+pub use verify::{Breach, INVARIANTS, Verification, VerifyLevel, plane, verify, verify_log};
 pub use write::{Level, LogWriter, Options, RunHeader};
 
 /// Where each kind of record goes.

@@ -9,10 +9,8 @@ use wisdom_grid::Cell;
 use wisdom_mission::{FaultEvent, Mission, MissionError, RecordError, Recorder};
 
 use crate::compare::{Difference, first_difference};
-use crate::record::{self, CHAIN_START, hex};
-use crate::{
-    DecisionMaps, Entry, LogError, LogReader, LogWriter, Options, RunHeader, Setting, Status,
-};
+use crate::record::{self, hex};
+use crate::{DecisionMaps, Entry, LogError, LogReader, LogWriter, Options, RunHeader, Setting};
 
 /// Where a mission's files lie among a log's attachments.
 const MISSION_FOLDER: &str = "mission/";
@@ -33,6 +31,12 @@ pub enum ReplayError {
     /// What the logged inputs lead to is not what was logged.
     #[error("the log does not follow from its own inputs ({0}); `wisdom verify` says more")]
     Differs(Box<Difference>),
+    /// A log cannot be decided again under another mission.
+    #[error("the log does not fit the changed mission: {what}")]
+    Unfit {
+        /// What does not fit.
+        what: String,
+    },
     /// A chosen sequence is no valid STRIPS plan.
     #[error(transparent)]
     Plan(#[from] wisdom_goals::PlanError),
@@ -100,14 +104,19 @@ impl Recorder for LogWriter {
     }
 
     fn fault(&mut self, event: &FaultEvent) -> Result<(), RecordError> {
-        let record = record::Fault {
-            name: event.name.clone(),
-            kind: event.kind.name().to_owned(),
-            time_s: event.time_s,
-            until_s: event.until_s.is_finite().then_some(event.until_s),
-            text: event.to_string(),
-        };
+        let record = fault(event);
         Self::fault(self, &record).map_err(|e| RecordError(e.to_string()))
+    }
+}
+
+/// A fault as a record.
+pub(crate) fn fault(event: &FaultEvent) -> record::Fault {
+    record::Fault {
+        name: event.name.clone(),
+        kind: event.kind.name().to_owned(),
+        time_s: event.time_s,
+        until_s: event.until_s.is_finite().then_some(event.until_s),
+        text: event.to_string(),
     }
 }
 
@@ -116,138 +125,15 @@ impl Recorder for LogWriter {
 /// # Errors
 /// [`ReplayError::Mission`] if it is not there or does not load.
 pub fn mission_of(log: &LogReader) -> Result<Mission, ReplayError> {
-    let files: BTreeMap<String, Vec<u8>> = log
-        .attachments
-        .iter()
+    Ok(Mission::from_files(&mission_files(log))?)
+}
+
+/// The mission's files among a log's attachments, by name.
+pub(crate) fn mission_files(log: &LogReader) -> BTreeMap<String, Vec<u8>> {
+    let files = log.attachments.iter();
+    files
         .filter_map(|a| Some((a.name.strip_prefix(MISSION_FOLDER)?.to_owned(), a.data.clone())))
-        .collect();
-    Ok(Mission::from_files(&files)?)
-}
-
-/// What became of a verification.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Verification {
-    /// Decisions that agree (all of them, or those before the first difference).
-    pub decisions: u32,
-    /// How whole the file is.
-    pub status: Status,
-    /// The digest chain over the decision records: `intact`, or where it breaks.
-    pub chain: String,
-    /// The first difference between what was logged and what the logged inputs lead to.
-    pub difference: Option<Difference>,
-    /// What else a reader should know.
-    pub remarks: Vec<String>,
-}
-
-/// Derives every decision of a log again from its logged inputs and compares it, field by field, with the
-/// logged one. `progress` is told of every decision that agrees.
-///
-/// # Errors
-/// [`ReplayError`] if the log cannot be read or its mission does not load. A difference is no error.
-pub fn verify(path: &Path, progress: &mut dyn FnMut(u32)) -> Result<Verification, ReplayError> {
-    let log = LogReader::open(path)?;
-    let mission = mission_of(&log)?;
-    let mut found = Verification {
-        decisions: 0,
-        status: log.status.clone(),
-        chain: chain(&log),
-        difference: None,
-        remarks: Vec::new(),
-    };
-    let logged_digest = log.metadata.get("mission_digest").cloned().unwrap_or_default();
-    if logged_digest != hex(&mission.digest) {
-        found.difference = Some(Difference {
-            decision: 0,
-            stage: "identity",
-            path: "mission_digest".into(),
-            left: logged_digest,
-            right: hex(&mission.digest),
-            ulps: None,
-        });
-        return Ok(found);
-    }
-    let version = env!("CARGO_PKG_VERSION");
-    if let Some(other) = log.metadata.get("version").filter(|v| *v != version) {
-        found.remarks.push(format!("logged by version {other}, verified by {version}"));
-    }
-    if !found.chain.starts_with("intact") {
-        found.remarks.push(format!("digest chain {}", found.chain));
-    }
-    let setting = Setting::from(&mission.spec);
-    let mut rover = Autonomy::new(mission.spec.clone())?;
-    for entry in &log.entries {
-        let number = found.decisions;
-        let refused = |error: AutonomyError, stage: &'static str, what: String| Difference {
-            decision: number,
-            stage,
-            path: what,
-            left: "logged as an input".into(),
-            right: format!("refused: {error}"),
-            ulps: None,
-        };
-        match entry {
-            Entry::Observation(logged) => {
-                let observation = Observation::try_from(logged)?;
-                if let Err(error) = rover.observe(&observation) {
-                    let what = format!("observation {}", observation.number);
-                    found.difference = Some(refused(error, "frame", what));
-                    return Ok(found);
-                }
-            }
-            Entry::Message(logged) => {
-                let message = Message::try_from(logged)?;
-                if let Err(error) = rover.hear(&message) {
-                    let what = format!("message {}", message.number);
-                    found.difference = Some(refused(error, "state", what));
-                    return Ok(found);
-                }
-            }
-            Entry::Fault(_) => {}
-            Entry::Outcome(logged) => {
-                let outcome = Outcome::try_from(logged)?;
-                if let Err(error) = rover.report(&outcome) {
-                    let what = format!("outcome of decision {}", outcome.decision);
-                    found.difference = Some(refused(error, "state", what));
-                    return Ok(found);
-                }
-            }
-            Entry::Decision(logged) => {
-                let derived = match rover.decide() {
-                    Ok(decision) => record::Decision::of(&decision, &setting),
-                    Err(error) => {
-                        found.difference = Some(refused(error, "choice", "decision".into()));
-                        return Ok(found);
-                    }
-                };
-                let bare = record::Decision { chain: String::new(), ..(**logged).clone() };
-                if let Some(difference) = first_difference(&bare, &derived) {
-                    found.difference = Some(difference);
-                    return Ok(found);
-                }
-                found.decisions += 1;
-                progress(found.decisions);
-            }
-        }
-    }
-    Ok(found)
-}
-
-/// Whether every decision record carries the digest of itself and of all before it.
-fn chain(log: &LogReader) -> String {
-    let mut link = CHAIN_START;
-    for decision in log.decisions() {
-        link = decision.link(&link);
-        if decision.chain != hex(&link) {
-            return format!("breaks at decision {}", decision.number);
-        }
-    }
-    match &log.end {
-        Some(end) if end.chain != hex(&link) => {
-            "ends in another digest than the end record says".into()
-        }
-        Some(_) => "intact".into(),
-        None => "intact as far as the log goes".into(),
-    }
+        .collect()
 }
 
 /// A decision of the past with what it was made from.

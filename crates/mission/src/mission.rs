@@ -88,7 +88,18 @@ impl Mission {
     /// # Errors
     /// [`MissionError`] as [`Mission::load`], and for a file that is not among them.
     pub fn from_files(files: &BTreeMap<String, Vec<u8>>) -> Result<Self, MissionError> {
-        Self::read(&mut Carried(files), MISSION_FILE, &[])
+        Self::from_files_with(files, &[])
+    }
+
+    /// [`Mission::from_files`] with changes on top of those that its `mission.toml` has applied already.
+    ///
+    /// # Errors
+    /// As [`Mission::from_files`].
+    pub fn from_files_with(
+        files: &BTreeMap<String, Vec<u8>>,
+        overrides: &[Override],
+    ) -> Result<Self, MissionError> {
+        Self::read(&mut Carried(files), MISSION_FILE, overrides)
     }
 
     /// Reads all files; `name` is what the mission's own file is called in errors.

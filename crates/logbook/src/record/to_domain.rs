@@ -5,7 +5,8 @@ use wisdom_goals::{self as goals, GoalId, Reason, Status};
 use wisdom_grid as grid;
 
 use super::{
-    Cell, Goal, LayerWindow, ManagerState, Message, Observation, Outcome, Pose, Retired, Spent,
+    Cell, Decision, Goal, LayerWindow, ManagerState, Message, Observation, Outcome, Pose, Retired,
+    Spent, State, Trigger,
 };
 use crate::LogError;
 
@@ -166,6 +167,51 @@ impl Reading<'_> {
         })
     }
 
+    fn trigger(&self, trigger: &Trigger) -> Result<core::Trigger, LogError> {
+        use core::Trigger as Why;
+        let field = |name: &str| format!("triggers.{}.{name}", trigger.name);
+        let number = |name: &str, value: Option<f64>| {
+            self.finite(&field(name), self.present(&field(name), value)?)
+        };
+        let goal = || self.present(&field("goal"), trigger.goal).map(GoalId);
+        let cell = || self.cell(&field("cell"), trigger.cell.as_ref());
+        let before = || number("before", trigger.before);
+        let after = || number("after", trigger.after);
+        let seconds = || number("seconds", trigger.seconds);
+        let message = || self.present(&field("message"), trigger.message);
+        Ok(match trigger.name.as_str() {
+            "start" => Why::Start,
+            "woken" => Why::Woken,
+            "arrived" => Why::Arrived,
+            "stopped" => Why::Stopped,
+            "goal-ended" => Why::GoalEnded(goal()?),
+            "leg-failed" => Why::LegFailed(goal()?),
+            "leg-interrupted" => Why::LegInterrupted(goal()?),
+            "interest-changed" => {
+                Why::InterestChanged { goal: goal()?, before: before()?, after: after()? }
+            }
+            "conflict" => Why::Conflict { goal: goal()?, before: before()?, after: after()? },
+            "new-candidate" => {
+                Why::NewCandidate { cell: cell()?, prize: number("prize", trigger.prize)? }
+            }
+            "budget-drift" => Why::BudgetDrift { share: number("share", trigger.share)? },
+            "risk" => Why::Risk {
+                reliability: number("reliability", trigger.reliability)?,
+                floor: number("floor", trigger.floor)?,
+            },
+            "corridor-changed" => {
+                Why::CorridorChanged { cell: cell()?, before: before()?, after: after()? }
+            }
+            "window-closing" => Why::WindowClosing { goal: goal()?, left_s: seconds()? },
+            "command" => Why::Command { number: message()? },
+            "facts" => Why::Facts { number: message()? },
+            "cadence" => Why::Cadence { since_s: seconds()? },
+            "watchdog" => Why::Watchdog { since_s: seconds()? },
+            "route-blocked" => Why::RouteBlocked(cell()?),
+            other => return Err(self.malformed("triggers", &other, "the name of a trigger")),
+        })
+    }
+
     fn retired(&self, place: &Retired) -> Result<goals::Retired, LogError> {
         let field = |name: &str| format!("manager.retired[G{}].{name}", place.goal);
         Ok(goals::Retired {
@@ -180,6 +226,51 @@ impl Reading<'_> {
             ground: place.ground,
             reopenings: place.reopenings,
             closed: place.closed,
+        })
+    }
+}
+
+impl From<Cell> for grid::Cell {
+    fn from(cell: Cell) -> Self {
+        Self::new(cell.row as usize, cell.col as usize)
+    }
+}
+
+impl Decision {
+    /// Where the rover stood and what it had spent, checked.
+    pub(crate) fn whereabouts(&self) -> Result<(core::Pose, core::Spent), LogError> {
+        let reading = Reading { kind: "decision", number: self.number };
+        let state = reading.present("state", self.state.as_ref())?;
+        Ok((reading.pose(state.pose.as_ref())?, reading.spent(state.spent.as_ref())?))
+    }
+
+    /// What the record says the decision was taken from. Directives, operators and experts are those of the run, by
+    /// index; facts are numbered by `facts`.
+    pub(crate) fn moment(
+        &self,
+        facts: impl FnOnce(&[String]) -> Result<goals::FactSet, goals::DomainError>,
+    ) -> Result<core::Moment, LogError> {
+        let reading = Reading { kind: "decision", number: self.number };
+        let (pose, spent) = self.whereabouts()?;
+        let State { facts: names, underway, idle_looks, manager, .. } =
+            reading.present("state", self.state.as_ref())?;
+        let manager = reading.present("state.manager", manager.as_ref())?;
+        let facts = facts(names)
+            .map_err(|error| reading.malformed("state.facts", &error, "facts of the mission"))?;
+        let frame = reading.present("frame", self.frame.as_ref())?;
+        let triggers = self.triggers.iter().map(|trigger| reading.trigger(trigger));
+        Ok(core::Moment {
+            number: self.number,
+            triggers: triggers.collect::<Result<_, _>>()?,
+            state: core::RoverState {
+                pose,
+                spent,
+                facts,
+                underway: underway.map(GoalId),
+                idle_looks: *idle_looks,
+                manager: manager.try_into()?,
+            },
+            map_changed: frame.map_changed,
         })
     }
 }
