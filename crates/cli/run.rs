@@ -12,7 +12,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::{Value, json};
 use wisdom_autonomy::{Decision, Maps, Message, Observation, Outcome};
 use wisdom_goals::{Action, Cause, GoalId, Reason};
-use wisdom_logbook::LogWriter;
+use wisdom_logbook::{LogWriter, MapMode, Options, SyncPolicy};
 use wisdom_mission::{FaultEvent, Mission, Override, Progress, RecordError, Recorder, RunSummary};
 
 use crate::exit::InputError;
@@ -32,6 +32,14 @@ pub(crate) struct RunArgs {
     /// Fusion rule, instead of the mission's (see `wisdom rules`).
     #[arg(long)]
     rule: Option<String>,
+    /// How much of the maps the log holds: full (the interest at each decision), patch (what changed of it) or digest (none:
+    /// `wisdom log expand` makes them again).
+    #[arg(long, default_value_t, value_name = "MODE", value_parser = map_mode)]
+    maps: MapMode,
+    /// When the log is made to survive a loss of power: cycle (after each decision) or end. A crash of the program alone
+    /// never costs a decision.
+    #[arg(long, default_value_t, value_name = "WHEN", value_parser = sync_policy)]
+    sync: SyncPolicy,
     /// Print nothing but errors.
     #[arg(long)]
     quiet: bool,
@@ -40,15 +48,29 @@ pub(crate) struct RunArgs {
     json: bool,
 }
 
+fn map_mode(text: &str) -> Result<MapMode, String> {
+    let named = MapMode::ALL.into_iter().find(|mode| mode.name() == text);
+    named.ok_or_else(|| format!("expected one of {}", MapMode::ALL.map(MapMode::name).join(", ")))
+}
+
+fn sync_policy(text: &str) -> Result<SyncPolicy, String> {
+    let named = SyncPolicy::ALL.into_iter().find(|policy| policy.name() == text);
+    named.ok_or_else(|| {
+        format!("expected one of {}", SyncPolicy::ALL.map(SyncPolicy::name).join(", "))
+    })
+}
+
 /// What was done with goals: how often each action was taken for each reason, and with which goals.
 #[derive(Default)]
 struct Tally {
     changes: BTreeMap<(Action, Reason, Cause), Vec<GoalId>>,
 }
 
-/// Writes the log, counts changes and times decisions on the way.
+/// Writes the log, counts changes and times decisions and the log on the way.
 struct Logged<'a> {
     log: &'a mut LogWriter,
+    /// How long the log took.
+    logging: Duration,
     tally: Tally,
     /// When the latest input was handed over.
     told: Instant,
@@ -62,11 +84,23 @@ fn now() -> Instant {
     Instant::now()
 }
 
+impl Logged<'_> {
+    /// Keeps a record and counts the time it takes; what is decided next is timed from here.
+    fn keep(
+        &mut self,
+        record: impl FnOnce(&mut LogWriter) -> Result<(), RecordError>,
+    ) -> Result<(), RecordError> {
+        let begun = now();
+        let kept = record(self.log);
+        self.told = now();
+        self.logging += self.told - begun;
+        kept
+    }
+}
+
 impl Recorder for Logged<'_> {
     fn observation(&mut self, observation: &Observation) -> Result<(), RecordError> {
-        Recorder::observation(self.log, observation)?;
-        self.told = now();
-        Ok(())
+        self.keep(|log| Recorder::observation(log, observation))
     }
 
     fn decision(&mut self, decision: &Decision, maps: &Maps) -> Result<(), RecordError> {
@@ -78,40 +112,50 @@ impl Recorder for Logged<'_> {
                 .or_default()
                 .push(verdict.goal.id);
         }
-        Recorder::decision(self.log, decision, maps)
+        self.keep(|log| Recorder::decision(log, decision, maps))
     }
 
     fn outcome(&mut self, outcome: &Outcome) -> Result<(), RecordError> {
-        Recorder::outcome(self.log, outcome)?;
-        self.told = now();
-        Ok(())
+        self.keep(|log| Recorder::outcome(log, outcome))
     }
 
     fn message(&mut self, message: &Message) -> Result<(), RecordError> {
-        Recorder::message(self.log, message)
+        self.keep(|log| Recorder::message(log, message))
     }
 
     fn fault(&mut self, event: &FaultEvent) -> Result<(), RecordError> {
-        Recorder::fault(self.log, event)
+        self.keep(|log| Recorder::fault(log, event))
     }
 }
 
-/// How long decisions took.
+/// How long the run took, seconds.
 #[derive(Clone, Copy)]
 struct Pace {
-    median_s: f64,
-    max_s: f64,
+    /// A decision, in the median.
+    median: f64,
+    /// The longest decision.
+    max: f64,
+    /// In the log, from its first byte to its final name.
+    logging: f64,
+    /// From reading the mission to the log's final name.
+    wall: f64,
 }
 
 impl Pace {
-    fn of(mut times: Vec<Duration>) -> Self {
+    fn of(mut times: Vec<Duration>, logging: Duration, wall: Duration) -> Self {
         times.sort_unstable();
         let seconds = |time: Option<&Duration>| time.map_or(0.0, Duration::as_secs_f64);
-        Self { median_s: seconds(times.get(times.len() / 2)), max_s: seconds(times.last()) }
+        Self {
+            median: seconds(times.get(times.len() / 2)),
+            max: seconds(times.last()),
+            logging: logging.as_secs_f64(),
+            wall: wall.as_secs_f64(),
+        }
     }
 }
 
 pub(crate) fn run(args: &RunArgs) -> anyhow::Result<ExitCode> {
+    let begun = now();
     let mut overrides = Vec::new();
     overrides.extend(args.seed.map(|s| Override::new("seed", s.to_string())));
     overrides.extend(args.rule.iter().map(|r| Override::new("rule", quoted(r))));
@@ -120,18 +164,26 @@ pub(crate) fn run(args: &RunArgs) -> anyhow::Result<ExitCode> {
         Some(path) => path.clone(),
         None => free_name(&mission)?,
     };
-    let mut log = wisdom_logbook::begin(&path, &mission)?;
+    let options = Options { sync: args.sync, maps: args.maps };
+    let opened = now();
+    let mut log = wisdom_logbook::begin(&path, &mission, options)?;
+    let logging = now() - opened;
     let stop = interrupted()?;
     let bar = bar(args, &mission)?;
-    let mut recorder =
-        Logged { log: &mut log, tally: Tally::default(), told: now(), deciding: Vec::new() };
+    let mut recorder = Logged {
+        log: &mut log,
+        logging,
+        tally: Tally::default(),
+        told: now(),
+        deciding: Vec::new(),
+    };
     let result = wisdom_mission::run(&mission, &mut recorder, &mut |progress| {
         tick(&bar, progress);
         !stop.load(std::sync::atomic::Ordering::Relaxed)
     });
-    let Logged { tally, deciding, .. } = recorder;
-    let deciding = Pace::of(deciding);
+    let Logged { tally, deciding, mut logging, .. } = recorder;
     bar.finish_and_clear();
+    let closing = now();
     let summary = match result {
         Ok(summary) => {
             log.finish(&summary.status.to_string(), &BTreeMap::new())?;
@@ -147,6 +199,8 @@ pub(crate) fn run(args: &RunArgs) -> anyhow::Result<ExitCode> {
             });
         }
     };
+    logging += now() - closing;
+    let deciding = Pace::of(deciding, logging, now() - begun);
     if !args.quiet {
         let mut out = std::io::stdout().lock();
         if args.json {
@@ -246,7 +300,9 @@ fn as_json(
         "data_mb": summary.spent.data_mb,
         "decisions": summary.decisions,
         "observations": summary.observations,
-        "deciding_s": { "median": deciding.median_s, "max": deciding.max_s },
+        "deciding_s": { "median": deciding.median, "max": deciding.max },
+        "logging_s": deciding.logging,
+        "wall_s": deciding.wall,
         "legs": legs(summary),
         "faults": summary.faults.iter().map(|f| json!({
             "name": f.name, "kind": f.kind.name(), "time_s": f.time_s,
@@ -362,7 +418,13 @@ fn write_summary(
     writeln!(
         out,
         "deciding        {:.2} s in the median, {:.2} s at most",
-        deciding.median_s, deciding.max_s
+        deciding.median, deciding.max
+    )?;
+    let share = 100.0 * deciding.logging / deciding.wall.max(f64::MIN_POSITIVE);
+    writeln!(
+        out,
+        "logging         {:.2} s, {share:.1} % of {:.2} s",
+        deciding.logging, deciding.wall
     )?;
     for fault in &summary.faults {
         writeln!(out, "broke           {fault}")?;

@@ -2,9 +2,12 @@
 
 pub mod compare;
 mod error;
+mod expand;
+mod life;
 pub mod read;
 pub mod record;
 mod redecide;
+mod reel;
 mod replay;
 mod setting;
 mod store;
@@ -14,15 +17,20 @@ pub mod write;
 
 pub use compare::{Difference, MapDifference, first_difference};
 pub use error::LogError;
+pub use expand::expand;
+pub use life::{GoalLife, Weighing};
 pub use read::{Entry, LogReader, RunEnd, Status};
 pub use redecide::{
     Parting, Redecided, Retaken, Scores, Terms, mission_with, parting, redecide, side_by_side,
 };
-pub use replay::{Past, ReplayError, begin, causal_dot, derive_at, mission_of};
+pub use reel::Reel;
+pub use replay::{Past, ReplayError, begin, causal_dot, derive_at, header, mission_of};
 pub use setting::{DecisionMaps, Setting};
 pub use store::{PartFile, Store, SyncPolicy};
-pub use verify::{Breach, INVARIANTS, Verification, VerifyLevel, plane, verify, verify_log};
-pub use write::{Level, LogWriter, Options, RunHeader};
+pub use verify::{
+    Breach, INVARIANTS, Verification, VerifyLevel, is_plane, plane, verify, verify_log,
+};
+pub use write::{KEY_EVERY, Level, LogWriter, MapMode, Options, RunHeader};
 
 /// Where each kind of record goes.
 pub mod topic {
@@ -38,6 +46,8 @@ pub mod topic {
     pub const DECISION: &str = "/decision";
     /// The interest map of a decision: `foxglove.Grid`. Every other plane is `/map/` and its name.
     pub const INTEREST: &str = "/map/interest";
+    /// What changed of the interest map since the decision before, in a log of patches: `foxglove.Grid`.
+    pub const PATCH: &str = "/map/interest/patch";
     /// Goals, the planned path and the driven track: `foxglove.SceneUpdate`.
     pub const SCENE: &str = "/scene";
     /// Where the rover stands: `foxglove.PoseInFrame`.

@@ -5,12 +5,14 @@ use std::path::Path;
 
 use wisdom_autonomy::{Autonomy, AutonomyError, Decision, Maps, Message, Observation, Outcome};
 use wisdom_goals::{Action, CausalGraph, GoalId};
-use wisdom_grid::Cell;
+use wisdom_grid::{Cell, Raster};
 use wisdom_mission::{FaultEvent, Mission, MissionError, RecordError, Recorder};
 
 use crate::compare::{Difference, first_difference};
 use crate::record::{self, hex};
-use crate::{DecisionMaps, Entry, LogError, LogReader, LogWriter, Options, RunHeader, Setting};
+use crate::{
+    DecisionMaps, Entry, LogError, LogReader, LogWriter, Options, RunHeader, Setting, Store,
+};
 
 /// Where a mission's files lie among a log's attachments.
 const MISSION_FOLDER: &str = "mission/";
@@ -31,6 +33,15 @@ pub enum ReplayError {
     /// What the logged inputs lead to is not what was logged.
     #[error("the log does not follow from its own inputs ({0}); `wisdom verify` says more")]
     Differs(Box<Difference>),
+    /// There is no plane of that name.
+    #[error(
+        "no plane is called `{name}`; there are interest, ignorance, paradox, conflict, contradiction, prize, hazard, the \
+         mission's layers, and these with -u for their uncertainty"
+    )]
+    NoPlane {
+        /// The name.
+        name: String,
+    },
     /// A log cannot be decided again under another mission.
     #[error("the log does not fit the changed mission: {what}")]
     Unfit {
@@ -46,7 +57,13 @@ pub enum ReplayError {
 ///
 /// # Errors
 /// [`LogError`] if the log exists already or cannot be written.
-pub fn begin(path: &Path, mission: &Mission) -> Result<LogWriter, LogError> {
+pub fn begin(path: &Path, mission: &Mission, options: Options) -> Result<LogWriter, LogError> {
+    LogWriter::create(path, &header(mission), Setting::from(&mission.spec), options)
+}
+
+/// What is true of every run of a mission: its facts and its files.
+#[must_use]
+pub fn header(mission: &Mission) -> RunHeader {
     let spec = &mission.spec;
     let overrides: Vec<String> =
         mission.overrides.iter().map(|o| format!("{}={}", o.key, o.value)).collect();
@@ -77,22 +94,36 @@ pub fn begin(path: &Path, mission: &Mission) -> Result<LogWriter, LogError> {
             (format!("{MISSION_FOLDER}{path}"), media.to_owned(), bytes.clone())
         })
         .collect();
-    let header = RunHeader { metadata, attachments };
-    LogWriter::create(path, &header, Setting::from(spec), Options::default())
+    RunHeader { metadata, attachments }
 }
 
-impl Recorder for LogWriter {
+impl<S: Store> LogWriter<S> {
+    /// Logs a decision with the maps it was made from that every log has, and `more` planes by name.
+    pub(crate) fn decided(
+        &mut self,
+        decision: &Decision,
+        maps: &Maps,
+        more: &[(&str, &Raster<f32>)],
+    ) -> Result<(), LogError> {
+        let elevation = maps.layers[wisdom_autonomy::ELEVATION].values();
+        // Later decisions change little of it, and it can be derived again.
+        let first = (decision.number == 0).then_some(("elevation", elevation));
+        let more = more.iter().copied().filter(|(name, _)| {
+            *name != "interest" && first.is_none_or(|(first, _)| first != *name)
+        });
+        let others: Vec<(&str, &Raster<f32>)> = first.into_iter().chain(more).collect();
+        let planes = DecisionMaps { interest: &maps.interest.interest, others: &others };
+        self.decision(decision, &planes)
+    }
+}
+
+impl<S: Store> Recorder for LogWriter<S> {
     fn observation(&mut self, observation: &Observation) -> Result<(), RecordError> {
         Self::observation(self, observation).map_err(|e| RecordError(e.to_string()))
     }
 
     fn decision(&mut self, decision: &Decision, maps: &Maps) -> Result<(), RecordError> {
-        let elevation = maps.layers[wisdom_autonomy::ELEVATION].values();
-        // Later decisions change little of it, and it can be derived again.
-        let first = [("elevation", elevation)];
-        let others: &[_] = if decision.number == 0 { &first } else { &[] };
-        let planes = DecisionMaps { interest: &maps.interest.interest, others };
-        Self::decision(self, decision, &planes).map_err(|e| RecordError(e.to_string()))
+        self.decided(decision, maps, &[]).map_err(|e| RecordError(e.to_string()))
     }
 
     fn outcome(&mut self, outcome: &Outcome) -> Result<(), RecordError> {

@@ -46,6 +46,26 @@ pub enum SyncPolicy {
     End,
 }
 
+impl SyncPolicy {
+    /// Every policy.
+    pub const ALL: [Self; 2] = [Self::Cycle, Self::End];
+
+    /// The name that the command line takes.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Cycle => "cycle",
+            Self::End => "end",
+        }
+    }
+}
+
+impl std::fmt::Display for SyncPolicy {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
 /// A log file while it is written: `NAME.mcap.part`, which becomes `NAME.mcap` once it is whole.
 #[derive(Debug)]
 pub struct PartFile {

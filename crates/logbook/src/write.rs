@@ -17,7 +17,7 @@ use mcap::write::NoSeek;
 use mcap::{Attachment, Compression, McapError, WriteOptions};
 use wisdom_autonomy::{Decision, Message, Observation, Outcome, Pose, Spent};
 use wisdom_goals::Action;
-use wisdom_grid::{Cell, Raster};
+use wisdom_grid::{Cell, Raster, Window};
 
 use crate::record::{self, CHAIN_START, DESCRIPTOR, hex};
 use crate::store::Guarded;
@@ -27,6 +27,8 @@ use crate::{DecisionMaps, LogError, PartFile, Setting, Store, SyncPolicy, topic,
 pub(crate) const RUN: &str = "wisdom.run";
 /// Name of the metadata record that closes it.
 pub(crate) const END: &str = "wisdom.end";
+/// Key of the metadata that says how much of the maps is in the log.
+pub(crate) const MAPS: &str = "maps";
 /// Version of what a log holds and where.
 pub const LOG_VERSION: u32 = 1;
 /// A message of more bytes than this ends its chunk, so that a chunk always fits a reader's memory.
@@ -69,19 +71,51 @@ pub struct RunHeader {
     pub attachments: Vec<(String, String, Vec<u8>)>,
 }
 
+/// How much of the maps goes into the log. Their digests always do, and [`crate::expand`] makes every map again from the
+/// logged inputs, bit for bit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum MapMode {
+    /// The interest at each decision, whole.
+    #[default]
+    Full,
+    /// The interest whole at first, where the working map moved, where most of it changed, and every
+    /// [`KEY_EVERY`] decisions; between these the smallest window around the cells that changed.
+    Patch,
+    /// No maps.
+    Digest,
+}
+
+impl MapMode {
+    /// Every mode.
+    pub const ALL: [Self; 3] = [Self::Full, Self::Patch, Self::Digest];
+
+    /// The name that the command line takes and the log's metadata holds.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Full => "full",
+            Self::Patch => "patch",
+            Self::Digest => "digest",
+        }
+    }
+}
+
+impl std::fmt::Display for MapMode {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+/// Decisions from one whole map to the next in a log of patches.
+pub const KEY_EVERY: u32 = 16;
+
 /// How a log is written.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Options {
     /// When the file is made to survive a loss of power.
     pub sync: SyncPolicy,
-    /// Whether map planes are logged (their digests always are).
-    pub maps: bool,
-}
-
-impl Default for Options {
-    fn default() -> Self {
-        Self { sync: SyncPolicy::Cycle, maps: true }
-    }
+    /// How much of the maps it holds.
+    pub maps: MapMode,
 }
 
 /// Writes a log: the records of a run, and the same for viewers.
@@ -95,6 +129,8 @@ pub struct LogWriter<S: Store = PartFile> {
     chain: [u8; 32],
     decisions: u32,
     track: Vec<Cell>,
+    /// The interest map as a reader of the log knows it, and decisions since it was last written whole.
+    known: Option<(Raster<f32>, u32)>,
 }
 
 impl LogWriter<PartFile> {
@@ -144,6 +180,7 @@ impl<S: Store> LogWriter<S> {
             chain: CHAIN_START,
             decisions: 0,
             track: Vec::new(),
+            known: None,
         };
         writer.begin(header)?;
         Ok(writer)
@@ -155,6 +192,7 @@ impl<S: Store> LogWriter<S> {
         for (key, value) in [
             ("log_version", LOG_VERSION.to_string()),
             ("decision_version", record::DECISION_VERSION.to_string()),
+            (MAPS, self.options.maps.to_string()),
             ("grid_rows", grid.rows().to_string()),
             ("grid_cols", grid.cols().to_string()),
             ("grid_spacing_m", grid.spacing_m().to_string()),
@@ -280,8 +318,16 @@ impl<S: Store> LogWriter<S> {
         metadata.insert("decisions".to_owned(), self.decisions.to_string());
         metadata.insert("chain".to_owned(), hex(&self.chain));
         let end = Metadata { name: END.to_owned(), metadata };
+        self.container.write_metadata(&end).map_err(|error| failure(&self.name, error))?;
+        self.close()
+    }
+
+    /// Closes a log whose run did not end: the file is whole, and says that the run is not.
+    ///
+    /// # Errors
+    /// As [`LogWriter::finish`].
+    pub fn close(mut self) -> Result<S::Closed, LogError> {
         let name = self.name;
-        self.container.write_metadata(&end).map_err(|error| failure(&name, error))?;
         self.container.finish().map_err(|error| failure(&name, error))?;
         let io = |source| LogError::Io { path: name.clone(), source };
         let buffered = self.container.into_inner().into_inner();
@@ -303,11 +349,42 @@ impl<S: Store> LogWriter<S> {
             if expected.part(found.window()) != Ok(found) {
                 return Err(LogError::GridMismatch { name: name.to_owned(), found, expected });
             }
-            if self.options.maps {
-                self.map(&format!("/map/{name}"), number, plane)?;
-            }
+        }
+        if self.options.maps == MapMode::Digest {
+            return Ok(());
+        }
+        self.interest(number, maps.interest)?;
+        for (name, plane) in maps.others {
+            self.map(&format!("/map/{name}"), number, plane)?;
         }
         Ok(())
+    }
+
+    /// The interest map, whole or what changed of it.
+    fn interest(&mut self, number: u32, plane: &Raster<f32>) -> Result<(), LogError> {
+        if self.options.maps == MapMode::Patch {
+            if let Some((known, since)) = &mut self.known
+                && known.spec() == plane.spec()
+                && *since + 1 < KEY_EVERY
+            {
+                *since += 1;
+                let Some(changed) = changed(known, plane) else { return Ok(()) };
+                if 2 * changed.rows * changed.cols <= plane.spec().len() {
+                    for cell in changed.cells() {
+                        known[cell] = plane[cell];
+                    }
+                    let part = plane.crop(changed).map_err(|_| LogError::GridMismatch {
+                        name: "interest".to_owned(),
+                        found: plane.spec(),
+                        expected: self.setting.grid,
+                    })?;
+                    let first = Cell::new(changed.row, changed.col);
+                    return self.map(topic::PATCH, number, &part.numbered_from(first));
+                }
+            }
+            self.known = Some((plane.clone(), 0));
+        }
+        self.map(topic::INTEREST, number, plane)
     }
 
     fn map(&mut self, topic: &str, number: u32, plane: &Raster<f32>) -> Result<(), LogError> {
@@ -398,6 +475,29 @@ impl<S: Store> LogWriter<S> {
     fn flush(&mut self) -> Result<(), LogError> {
         self.container.flush().map_err(|error| failure(&self.name, error))
     }
+}
+
+/// The smallest window around the cells that differ, bit for bit.
+fn changed(before: &Raster<f32>, now: &Raster<f32>) -> Option<Window> {
+    let (spec, cols) = (now.spec(), now.spec().cols());
+    let rows = before.values().chunks(cols).zip(now.values().chunks(cols)).enumerate();
+    let mut found: Option<(usize, usize, usize, usize)> = None;
+    for (row, (before, now)) in rows {
+        let differs = |(a, b): (&f32, &f32)| a.to_bits() != b.to_bits();
+        let Some(first) = before.iter().zip(now).position(differs) else { continue };
+        let last = before.iter().zip(now).rposition(differs).unwrap_or(first);
+        let (top, left, right) = found.map_or((row, first, last), |(top, _, left, right)| {
+            (top, left.min(first), right.max(last))
+        });
+        found = Some((top, row, left, right));
+    }
+    let (top, bottom, left, right) = found?;
+    Some(Window {
+        row: spec.first().row + top,
+        col: spec.first().col + left,
+        rows: bottom - top + 1,
+        cols: right - left + 1,
+    })
 }
 
 /// An error of the container, with the file's name.

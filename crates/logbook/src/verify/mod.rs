@@ -4,18 +4,20 @@ mod invariants;
 mod planes;
 mod simulated;
 
+use std::borrow::Cow;
 use std::path::Path;
 
 use wisdom_autonomy::{Autonomy, AutonomyError, Decision, Message, Observation, Outcome};
+use wisdom_grid::Raster;
 use wisdom_mission::Mission;
 
 use crate::compare::{Difference, MapDifference, first_difference};
 use crate::record::{self, CHAIN_START, DECISION_VERSION, hex};
-use crate::{Entry, LogReader, ReplayError, Setting, Status, mission_of};
+use crate::{Entry, LogReader, Reel, ReplayError, Setting, Status, mission_of, topic};
 
 use invariants::Watcher;
 pub use invariants::{Breach, INVARIANTS};
-pub use planes::plane;
+pub use planes::{is_plane, plane};
 
 /// Every map topic begins so.
 const MAPS: &str = "/map/";
@@ -196,6 +198,7 @@ struct Derivation<'a> {
     rover: Autonomy,
     setting: Setting,
     watcher: Watcher<'a>,
+    reel: Reel,
 }
 
 impl<'a> Derivation<'a> {
@@ -204,6 +207,7 @@ impl<'a> Derivation<'a> {
             rover: Autonomy::new(mission.spec.clone())?,
             setting: Setting::from(&mission.spec),
             watcher: Watcher::new(mission, log),
+            reel: Reel::new(),
         })
     }
 
@@ -272,15 +276,18 @@ impl<'a> Derivation<'a> {
         let mut maps = Vec::new();
         if let Some(derived) = self.rover.maps() {
             self.watcher.maps(number, decision, derived);
-            for topic in log.maps().filter(|(of, _)| *of == number).map(|(_, topic)| topic) {
-                let Some(plane) = topic.strip_prefix(MAPS).and_then(|name| plane(derived, name))
-                else {
-                    continue;
-                };
-                let name = topic.trim_start_matches(MAPS);
-                let written = log.map(topic, number)?;
+            let of_this = log.maps().filter(|(of, _)| *of == number).map(|(_, topic)| topic);
+            let others: Vec<&str> = of_this.filter(|topic| *topic != topic::INTEREST).collect();
+            let interest = self.reel.turn_to(log, number)?;
+            let mut written: Vec<(&str, Cow<'_, Raster<f32>>)> = Vec::new();
+            written.extend(interest.map(|plane| ("interest", Cow::Borrowed(plane))));
+            for topic in others {
+                written.push((topic.trim_start_matches(MAPS), Cow::Owned(log.map(topic, number)?)));
+            }
+            for (name, written) in written {
+                let Some(plane) = plane(derived, name) else { continue };
                 if written.spec() != plane.spec() {
-                    let said = |raster: &wisdom_grid::Raster<f32>| format!("{:?}", raster.spec());
+                    let said = |raster: &Raster<f32>| format!("{:?}", raster.spec());
                     let (left, right) = (said(&written), said(plane));
                     return Ok(Some(Difference::told(number, "fusion", name, left, right)));
                 }

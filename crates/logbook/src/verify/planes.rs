@@ -1,6 +1,6 @@
 //! The planes of a decision's maps, by name.
 
-use wisdom_autonomy::Maps;
+use wisdom_autonomy::{Maps, Spec};
 use wisdom_grid::Raster;
 
 /// A plane that a decision was made from, at the working map's place: `interest`, `ignorance`, `paradox`, `conflict`,
@@ -26,4 +26,13 @@ pub fn plane<'a>(maps: &'a Maps, name: &str) -> Option<&'a Raster<f32>> {
             }
         }
     })
+}
+
+/// Whether every decision of such a mission has a plane of that name.
+#[must_use]
+pub fn is_plane(spec: &Spec, name: &str) -> bool {
+    const ALWAYS: [&str; 7] =
+        ["interest", "ignorance", "paradox", "conflict", "contradiction", "prize", "hazard"];
+    let layer = |name: &str| spec.layers.iter().any(|layer| layer.name == name);
+    ALWAYS.contains(&name) || layer(name) || name.strip_suffix("-u").is_some_and(layer)
 }

@@ -9,7 +9,7 @@ use wisdom_goals::{GoalId, ManagerState};
 use wisdom_grid::{Cell, Raster, Window};
 use wisdom_logbook::record::{self, CHAIN_START};
 use wisdom_logbook::{
-    DecisionMaps, Entry, LogError, LogReader, LogWriter, Options, RunEnd, Status, topic,
+    DecisionMaps, Entry, LogError, LogReader, LogWriter, MapMode, Options, RunEnd, Status, topic,
 };
 
 use crate::story;
@@ -100,7 +100,7 @@ fn a_map_of_other_ground_is_refused() {
 
 #[test]
 fn without_maps_the_decisions_are_the_same() {
-    let options = Options { maps: false, ..Options::default() };
+    let options = Options { maps: MapMode::Digest, ..Options::default() };
     let mut writer =
         LogWriter::over(Vec::new(), &story::header(), story::setting(), options).unwrap();
     story::tell(&mut writer).unwrap();

@@ -1,4 +1,6 @@
-//! `wisdom explain`: why a decision left goals out, and what would have brought them in.
+//! `wisdom explain`: why a decision left goals out and what would have brought them in; the life of a goal.
+
+mod goal;
 
 use std::io::{IsTerminal, Write};
 use std::path::PathBuf;
@@ -16,7 +18,7 @@ use crate::exit::InputError;
 use crate::replay::trigger;
 use crate::run::clock;
 
-/// Tell why a logged decision left goals out, and what would have brought them in.
+/// Tell why a logged decision left goals out, and what would have brought them in; or the life of one goal.
 ///
 /// Every goal that was deferred or dropped carries a price tag: the least change of the energy or time left, of the floor on
 /// reliability, or of the goal's own interest that would have brought it into the sequence, all else being as it was. The
@@ -28,6 +30,9 @@ pub(crate) struct ExplainArgs {
     /// The decision; the last one by default.
     #[arg(long, value_name = "N")]
     decision: Option<u32>,
+    /// The life of a goal (G7 or 7) instead: what it was born of, with each expert's credit, every weighing, its end.
+    #[arg(long, value_name = "GOAL", value_parser = goal_id, conflicts_with_all = ["decision", "why_not"])]
+    goal: Option<GoalId>,
     /// Only this goal (G7 or 7), with its poses, the best order that holds it and what that displaces.
     #[arg(long, value_name = "GOAL", value_parser = goal_id)]
     why_not: Option<GoalId>,
@@ -57,6 +62,9 @@ struct Way {
 
 pub(crate) fn run(args: &ExplainArgs) -> anyhow::Result<ExitCode> {
     let log = LogReader::open(&args.log)?;
+    if let Some(goal) = args.goal {
+        return goal::run(args, &log, goal);
+    }
     let count = log.decisions().count();
     let refuse = |what: String| InputError(format!("{}: {what}", args.log.display()));
     let number = match args.decision {

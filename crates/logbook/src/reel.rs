@@ -1,0 +1,75 @@
+//! The interest map of one decision after the other, from a log that may hold only what changed.
+
+use wisdom_grid::Raster;
+
+use crate::{LogError, LogReader, topic};
+
+/// Goes through a log's interest maps in the order of the decisions. A whole map is read at most once.
+#[derive(Debug, Clone, Default)]
+pub struct Reel {
+    next: u32,
+    known: Option<Raster<f32>>,
+}
+
+impl Reel {
+    /// A reel before the first decision.
+    #[must_use]
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// The interest map of a decision as the log tells it; none if it tells of none. Turned back, it begins anew.
+    ///
+    /// # Errors
+    /// As [`LogReader::map`]; [`LogError::Malformed`] if a patch lies where no map is.
+    pub fn turn_to(
+        &mut self,
+        log: &LogReader,
+        decision: u32,
+    ) -> Result<Option<&Raster<f32>>, LogError> {
+        if decision < self.next {
+            *self = Self::new();
+        }
+        // What comes before the last whole map need not be read.
+        let wholes = log.maps().filter(|(at, name)| *name == topic::INTEREST && *at <= decision);
+        let from = wholes.map(|(at, _)| at).filter(|at| *at >= self.next).max();
+        if let Some(from) = from {
+            self.known = Some(log.map(topic::INTEREST, from)?);
+            self.next = from + 1;
+        }
+        let patches: Vec<u32> = log
+            .maps()
+            .filter(|(at, name)| *name == topic::PATCH && (self.next..=decision).contains(at))
+            .map(|(at, _)| at)
+            .collect();
+        for at in patches {
+            let patch = log.map(topic::PATCH, at)?;
+            let fits = |known: &Raster<f32>| known.spec().part(patch.spec().window()).is_ok();
+            let Some(known) = self.known.as_mut().filter(|known| fits(known)) else {
+                return Err(LogError::Malformed {
+                    record: format!("{} of decision {at}", topic::PATCH),
+                    field: "pose.position".to_owned(),
+                    found: format!("{:?}", patch.spec().window()),
+                    limit: "a part of the map before it",
+                });
+            };
+            for (cell, value) in patch.iter() {
+                known[cell] = *value;
+            }
+        }
+        self.next = decision + 1;
+        Ok(self.known.as_ref())
+    }
+}
+
+impl LogReader {
+    /// The interest map of a decision, put together from the whole map before it and what changed since; none if the log
+    /// holds no maps.
+    ///
+    /// # Errors
+    /// As [`Reel::turn_to`].
+    pub fn interest(&self, decision: u32) -> Result<Option<Raster<f32>>, LogError> {
+        let mut reel = Reel::new();
+        Ok(reel.turn_to(self, decision)?.cloned())
+    }
+}
