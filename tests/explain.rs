@@ -132,3 +132,63 @@ fn one_goal_is_explained_in_full_and_mistakes_are_named() {
         assert!(errors.contains(word), "{args:?}: {errors}");
     }
 }
+
+#[test]
+fn a_goals_life_is_told_from_its_evidence_to_its_end() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = tight_run(folder.path());
+    let log = LogReader::open(&path).expect("a log");
+    let mut goals: Vec<u32> = log
+        .decisions()
+        .flat_map(|d| &d.choice.as_ref().expect("a choice").verdicts)
+        .map(|v| v.goal.as_ref().expect("a goal").id)
+        .collect();
+    goals.sort_unstable();
+    goals.dedup();
+    let mut ends = [0, 0];
+    for &id in goals.iter().step_by(3) {
+        let name = format!("G{id}");
+        let told = done(&explained(&path, &["--goal", &name, "--json"]));
+        let told: Value = serde_json::from_str(&told).expect("one JSON object");
+        let number = |value: &Value| value.as_f64().expect("a number");
+        let sum = |of: &mut dyn Iterator<Item = f64>| of.fold(0.0, |sum, x| sum + x);
+
+        let born = &told["born"];
+        assert_eq!(born["decision"], born["goal"]["born"], "{name}");
+        let evidence = born["evidence"].as_array().expect("experts");
+        assert_eq!(evidence.len(), 3, "the paper has three experts");
+        let credit = sum(&mut evidence.iter().map(|said| number(&said["credit"])));
+        assert!((credit - 1.0).abs() < 1e-9, "{name}: under dsmc credits add up: {credit}");
+        for said in evidence {
+            let masses = said["masses"].as_object().expect("masses");
+            let all = sum(&mut masses.values().map(number));
+            assert!((all - 1.0).abs() < 1e-9, "{name}: {said}");
+        }
+        let region = born["region"].as_array().expect("cells").len() as u64;
+        assert_eq!(Some(region), born["goal"]["region_cells"].as_u64(), "{name}");
+
+        let weighings = told["weighings"].as_array().expect("weighings");
+        let of_it = |d: &&wisdom_logbook::record::Decision| {
+            let verdicts = &d.choice.as_ref().expect("a choice").verdicts;
+            verdicts.iter().any(|v| v.goal.as_ref().expect("a goal").id == id)
+        };
+        assert_eq!(weighings.len(), log.decisions().filter(of_it).count(), "{name}");
+        let last = &weighings[weighings.len() - 1]["verdict"];
+        let ended = matches!(last["action"].as_str(), Some("achieve" | "drop"));
+        assert_eq!(ended, !told["end"].is_null(), "{name}: {last}");
+        ends[usize::from(ended)] += 1;
+        if ended {
+            assert_eq!(told["end"]["reason"], last["reason"]);
+        }
+    }
+    assert!(ends[0] > 0 && ends[1] > 0, "some goals end, some do not: {ends:?}");
+
+    let text = done(&explained(&path, &["--goal", "0"]));
+    for part in ["born  ", "evidence", "credit", "weighed", "formulated > ", "end  "] {
+        assert!(text.contains(part), "no `{part}` in\n{text}");
+    }
+    let refused = explained(&path, &["--goal", "G4000"]);
+    assert_eq!(refused.status.code(), Some(2));
+    let errors = String::from_utf8_lossy(&refused.stderr);
+    assert!(errors.contains("no decision speaks of G4000; its goals are G0 to"), "{errors}");
+}
