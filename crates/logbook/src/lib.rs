@@ -25,7 +25,7 @@ pub use redecide::{
 };
 pub use reel::Reel;
 pub use replay::{Past, ReplayError, begin, causal_dot, derive_at, header, mission_of};
-pub use setting::{DecisionMaps, Setting};
+pub use setting::{DecisionMaps, Drape, Setting};
 pub use store::{PartFile, Store, SyncPolicy};
 pub use verify::{
     Breach, INVARIANTS, Verification, VerifyLevel, is_plane, plane, verify, verify_log,
@@ -48,6 +48,8 @@ pub mod topic {
     pub const INTEREST: &str = "/map/interest";
     /// What changed of the interest map since the decision before, in a log of patches: `foxglove.Grid`.
     pub const PATCH: &str = "/map/interest/patch";
+    /// The interest map draped over the ground, thinned: `foxglove.PointCloud`. Viewers draw a Grid flat or not at all.
+    pub const CLOUD: &str = "/terrain/interest";
     /// Goals, the planned path and the driven track: `foxglove.SceneUpdate`.
     pub const SCENE: &str = "/scene";
     /// Where the rover stands: `foxglove.PoseInFrame`.
@@ -56,4 +58,19 @@ pub mod topic {
     pub const TRANSFORM: &str = "/tf";
     /// Triggers and changes, in words: `foxglove.Log`.
     pub const LOG: &str = "/log";
+    /// Every topic of these names; planes besides the interest are `/map/` and their name.
+    pub const ALL: [&str; 12] = [
+        OBSERVATION,
+        OUTCOME,
+        MESSAGE,
+        FAULT,
+        DECISION,
+        INTEREST,
+        PATCH,
+        CLOUD,
+        SCENE,
+        POSE,
+        TRANSFORM,
+        LOG,
+    ];
 }

@@ -284,6 +284,7 @@ fn is_known(topic: &str) -> bool {
             topic::MESSAGE,
             topic::FAULT,
             topic::DECISION,
+            topic::CLOUD,
             topic::SCENE,
             topic::POSE,
             topic::TRANSFORM,

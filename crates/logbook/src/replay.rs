@@ -11,7 +11,7 @@ use wisdom_mission::{FaultEvent, Mission, MissionError, RecordError, Recorder};
 use crate::compare::{Difference, first_difference};
 use crate::record::{self, hex};
 use crate::{
-    DecisionMaps, Entry, LogError, LogReader, LogWriter, Options, RunHeader, Setting, Store,
+    DecisionMaps, Drape, Entry, LogError, LogReader, LogWriter, Options, RunHeader, Setting, Store,
 };
 
 /// Where a mission's files lie among a log's attachments.
@@ -105,14 +105,17 @@ impl<S: Store> LogWriter<S> {
         maps: &Maps,
         more: &[(&str, &Raster<f32>)],
     ) -> Result<(), LogError> {
-        let elevation = maps.layers[wisdom_autonomy::ELEVATION].values();
+        let ground = &maps.layers[wisdom_autonomy::ELEVATION];
+        let elevation = ground.values();
         // Later decisions change little of it, and it can be derived again.
         let first = (decision.number == 0).then_some(("elevation", elevation));
         let more = more.iter().copied().filter(|(name, _)| {
             *name != "interest" && first.is_none_or(|(first, _)| first != *name)
         });
         let others: Vec<(&str, &Raster<f32>)> = first.into_iter().chain(more).collect();
-        let planes = DecisionMaps { interest: &maps.interest.interest, others: &others };
+        let drape = Drape { elevation, uncertainty: ground.uncertainty() };
+        let interest = &maps.interest.interest;
+        let planes = DecisionMaps { interest, others: &others, drape: Some(drape) };
         self.decision(decision, &planes)
     }
 }

@@ -65,4 +65,15 @@ pub struct DecisionMaps<'a> {
     pub interest: &'a Raster<f32>,
     /// Further planes, each logged as `/map/` and its name (ignorance, elevation, ..).
     pub others: &'a [(&'a str, &'a Raster<f32>)],
+    /// The ground to drape the interest over: `/terrain/interest`. Without it no cloud of points is logged.
+    pub drape: Option<Drape<'a>>,
+}
+
+/// The ground under an interest map, cell by cell of the same grid.
+#[derive(Debug, Clone, Copy)]
+pub struct Drape<'a> {
+    /// Elevation, metres; 0 where it is not known.
+    pub elevation: &'a Raster<f32>,
+    /// Its uncertainty, in [0, 1]; 1 where it is not known, and no point is drawn there.
+    pub uncertainty: &'a Raster<f32>,
 }

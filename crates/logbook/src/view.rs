@@ -6,9 +6,9 @@
 use std::f64::consts::FRAC_PI_2;
 
 use foxglove::messages::{
-    Color, FrameTransform, Grid, LinePrimitive, Log, PackedElementField, Point3, Pose, PoseInFrame,
-    Quaternion, SceneEntity, SceneUpdate, SpherePrimitive, TextPrimitive, Timestamp, Vector2,
-    Vector3, line_primitive, log, packed_element_field::NumericType,
+    Color, FrameTransform, Grid, LinePrimitive, Log, PackedElementField, Point3, PointCloud, Pose,
+    PoseInFrame, Quaternion, SceneEntity, SceneUpdate, SpherePrimitive, TextPrimitive, Timestamp,
+    Vector2, Vector3, line_primitive, log, packed_element_field::NumericType,
 };
 use wisdom_autonomy as core;
 use wisdom_goals::{Action, Term, Verdict};
@@ -20,6 +20,10 @@ const MAP: &str = "map";
 const ROVER: &str = "rover";
 /// What a Grid's only field is called.
 const VALUE: &str = "value";
+/// What a point of a cloud holds, each an f32.
+const POINT_FIELDS: [&str; 4] = ["x", "y", "z", "interest"];
+/// Most points of a cloud.
+const CLOUD_POINTS: usize = 8192;
 /// Bytes of one f32.
 const CELL_BYTES: usize = size_of::<f32>();
 
@@ -108,6 +112,55 @@ pub(crate) fn plane(grid: &Grid) -> Result<Raster<f32>, (&'static str, String, &
         .map(|bytes| f32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]))
         .collect();
     Raster::from_vec(spec, values).map_err(|error| ("data", error.to_string(), "rows x columns"))
+}
+
+/// Rows and columns from one point of a cloud to the next: the smallest step at which no part of this shape has more
+/// than [`CLOUD_POINTS`] of them. It hangs on the shape alone, so that the points of a run stay where they are.
+fn thinning(rows: usize, cols: usize) -> usize {
+    let points = |step: usize| rows.div_ceil(step) * cols.div_ceil(step);
+    let most = rows.max(cols);
+    (1..=most).find(|&step| points(step) <= CLOUD_POINTS).expect("one point for all is few enough")
+}
+
+/// The interest map draped over the ground: x, y, z in metres and the interest, four f32 a point, row by row from the
+/// north-west. Cells whose elevation is not known are left out; of the others, those whose row and column in the run's
+/// grid are multiples of [`thinning`].
+///
+/// Heights are above the lowest known cell of the map, because everything else in the scene lies at z = 0.
+pub(crate) fn cloud(
+    stamp_ns: u64,
+    run: GridSpec,
+    elevation: &Raster<f32>,
+    uncertainty: &Raster<f32>,
+    interest: &Raster<f32>,
+) -> PointCloud {
+    let spec = elevation.spec();
+    let step = thinning(spec.rows(), spec.cols());
+    let known = |cell: Cell| uncertainty[cell] < 1.0;
+    let heights = spec.cells().filter(|&cell| known(cell)).map(|cell| elevation[cell]);
+    let lowest_m = heights.fold(f32::INFINITY, f32::min);
+    let mut data = Vec::new();
+    let drawn = |cell: &Cell| cell.row.is_multiple_of(step) && cell.col.is_multiple_of(step);
+    for cell in spec.cells().filter(drawn).filter(|&cell| known(cell)) {
+        let Vector3 { x, y, .. } = centre(run, cell);
+        for value in [x as f32, y as f32, elevation[cell] - lowest_m, interest[cell]] {
+            data.extend_from_slice(&value.to_le_bytes());
+        }
+    }
+    let origin = Vector3 { x: 0.0, y: 0.0, z: 0.0 };
+    let field = |(index, name): (usize, &str)| PackedElementField {
+        name: name.to_owned(),
+        offset: (index * CELL_BYTES) as u32,
+        r#type: NumericType::Float32 as i32,
+    };
+    PointCloud {
+        timestamp: Some(timestamp(stamp_ns)),
+        frame_id: MAP.to_owned(),
+        pose: Some(Pose { position: Some(origin), orientation: Some(UPRIGHT) }),
+        point_stride: (POINT_FIELDS.len() * CELL_BYTES) as u32,
+        fields: POINT_FIELDS.into_iter().enumerate().map(field).collect(),
+        data: data.into(),
+    }
 }
 
 /// A cell's centre in metres from the south-west corner.
@@ -269,6 +322,8 @@ pub(crate) fn scene(
 
 #[cfg(test)]
 mod tests {
+    use std::collections::BTreeSet;
+
     use wisdom_grid::Window;
 
     use super::*;
@@ -289,6 +344,64 @@ mod tests {
         let message = grid(0, run, &Raster::filled(part, 1.0));
         let place = message.pose.and_then(|pose| pose.position).unwrap();
         assert_eq!((place.x, place.y), (10.0, 30.0));
+    }
+
+    /// The points of a cloud: x, y, z, interest.
+    fn points(cloud: &PointCloud) -> Vec<[f32; 4]> {
+        let number = |b: &[u8]| f32::from_le_bytes(b.try_into().unwrap());
+        let point =
+            |p: &[u8]| -> [f32; 4] { std::array::from_fn(|i| number(&p[4 * i..4 * i + 4])) };
+        cloud.data.chunks_exact(cloud.point_stride as usize).map(point).collect()
+    }
+
+    #[test]
+    fn a_cloud_hangs_the_known_ground_over_its_lowest_cell() {
+        let run = GridSpec::new(3, 4, 2.0).unwrap().at(1000.0, -500.0);
+        let part = run.part(Window { row: 0, col: 1, rows: 2, cols: 2 }).unwrap();
+        let plane = |values: [f32; 4]| Raster::from_vec(part, values.to_vec()).unwrap();
+        // The unknown cell keeps no height: its 0 must not become the lowest.
+        let elevation = plane([12.5, 0.0, 10.0, 11.0]);
+        let uncertainty = plane([0.2, 1.0, 0.0, 0.5]);
+        let cloud = cloud(0, run, &elevation, &uncertainty, &plane([0.1, 0.2, 0.3, 0.4]));
+        assert_eq!(
+            points(&cloud),
+            [[3.0, 5.0, 2.5, 0.1], [3.0, 3.0, 0.0, 0.3], [5.0, 3.0, 1.0, 0.4]]
+        );
+        let fields: Vec<_> = cloud.fields.iter().map(|f| (f.name.as_str(), f.offset)).collect();
+        assert_eq!(fields, [("x", 0), ("y", 4), ("z", 8), ("interest", 12)]);
+    }
+
+    #[test]
+    fn ground_that_nothing_is_known_of_has_no_points() {
+        let spec = GridSpec::new(3, 4, 2.0).unwrap();
+        let (none, unknown) = (Raster::filled(spec, 0.0), Raster::filled(spec, 1.0));
+        assert!(cloud(0, spec, &none, &unknown, &none).data.is_empty());
+    }
+
+    #[test]
+    fn a_cloud_is_thinned_no_more_than_it_must_be() {
+        for (rows, cols) in [(1, 1), (101, 101), (128, 128), (129, 128), (512, 512), (65_535, 3)] {
+            let step = thinning(rows, cols);
+            let points = |step: usize| rows.div_ceil(step) * cols.div_ceil(step);
+            assert!(points(step) <= CLOUD_POINTS, "{rows} x {cols}");
+            assert!(step == 1 || points(step - 1) > CLOUD_POINTS, "{rows} x {cols}");
+        }
+    }
+
+    #[test]
+    fn points_stay_where_they_are_when_the_working_map_moves_on() {
+        let run = GridSpec::new(400, 400, 1.0).unwrap();
+        let drawn = |row: usize| {
+            let part = run.part(Window { row, col: 7, rows: 200, cols: 300 }).unwrap();
+            let (level, known) = (Raster::filled(part, 1.0), Raster::filled(part, 0.0));
+            let places = points(&cloud(0, run, &level, &known, &level));
+            places.iter().map(|p| (p[0] as u32, p[1] as u32)).collect::<BTreeSet<_>>()
+        };
+        let (before, after) = (drawn(0), drawn(101));
+        let both = |&(_, y): &(u32, u32)| (200..299).contains(&y);
+        let shared = |places: &BTreeSet<_>| places.iter().copied().filter(both).collect::<Vec<_>>();
+        assert!(shared(&before).len() > 1000);
+        assert_eq!(shared(&before), shared(&after));
     }
 
     #[test]

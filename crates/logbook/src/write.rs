@@ -17,11 +17,11 @@ use mcap::write::NoSeek;
 use mcap::{Attachment, Compression, McapError, WriteOptions};
 use wisdom_autonomy::{Decision, Message, Observation, Outcome, Pose, Spent};
 use wisdom_goals::Action;
-use wisdom_grid::{Cell, Raster, Window};
+use wisdom_grid::{Cell, GridSpec, Raster, Window};
 
 use crate::record::{self, CHAIN_START, DESCRIPTOR, hex};
 use crate::store::Guarded;
-use crate::{DecisionMaps, LogError, PartFile, Setting, Store, SyncPolicy, topic, view};
+use crate::{DecisionMaps, Drape, LogError, PartFile, Setting, Store, SyncPolicy, topic, view};
 
 /// Name of the metadata record that opens a log.
 pub(crate) const RUN: &str = "wisdom.run";
@@ -131,6 +131,8 @@ pub struct LogWriter<S: Store = PartFile> {
     track: Vec<Cell>,
     /// The interest map as a reader of the log knows it, and decisions since it was last written whole.
     known: Option<(Raster<f32>, u32)>,
+    /// Which map the last cloud of points showed: how often it had changed, and where it lies.
+    draped: Option<(u64, GridSpec)>,
 }
 
 impl LogWriter<PartFile> {
@@ -181,6 +183,7 @@ impl<S: Store> LogWriter<S> {
             decisions: 0,
             track: Vec::new(),
             known: None,
+            draped: None,
         };
         writer.begin(header)?;
         Ok(writer)
@@ -271,6 +274,7 @@ impl<S: Store> LogWriter<S> {
         let number = decision.number;
         self.advance(decision.state.spent);
         self.maps(number, maps)?;
+        self.cloud(decision, maps)?;
         let stamp_ns = self.tick();
         let scene = view::scene(stamp_ns, self.setting.grid, decision, &self.track);
         self.view(topic::SCENE, number, stamp_ns, &scene)?;
@@ -390,6 +394,27 @@ impl<S: Store> LogWriter<S> {
     fn map(&mut self, topic: &str, number: u32, plane: &Raster<f32>) -> Result<(), LogError> {
         let stamp_ns = self.tick();
         self.view(topic, number, stamp_ns, &view::grid(stamp_ns, self.setting.grid, plane))
+    }
+
+    /// The interest over its ground, if the map changed since it was last shown.
+    fn cloud(&mut self, decision: &Decision, maps: &DecisionMaps<'_>) -> Result<(), LogError> {
+        let Some(Drape { elevation, uncertainty }) = maps.drape else { return Ok(()) };
+        let expected = maps.interest.spec();
+        for (name, plane) in [("elevation", elevation), ("elevation uncertainty", uncertainty)] {
+            let found = plane.spec();
+            if found != expected {
+                return Err(LogError::GridMismatch { name: name.to_owned(), found, expected });
+            }
+        }
+        let shown = Some((decision.map_version, expected));
+        if self.options.maps != MapMode::Full || self.draped == shown {
+            return Ok(());
+        }
+        self.draped = shown;
+        let stamp_ns = self.tick();
+        let grid = self.setting.grid;
+        let cloud = view::cloud(stamp_ns, grid, elevation, uncertainty, maps.interest);
+        self.view(topic::CLOUD, decision.number, stamp_ns, &cloud)
     }
 
     fn pose(&mut self, number: u32, pose: Pose) -> Result<(), LogError> {

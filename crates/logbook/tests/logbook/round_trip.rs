@@ -77,7 +77,8 @@ fn a_map_too_large_for_its_chunk_comes_back_with_its_decision() {
     let mut writer =
         LogWriter::over(Vec::new(), &header, setting.clone(), Options::default()).unwrap();
     let interest = Raster::from_fn(setting.grid, |cell| (cell.row % 7 + cell.col % 5) as f32);
-    let maps = DecisionMaps { interest: &interest, others: &[("ignorance", &interest)] };
+    let others = &[("ignorance", &interest)];
+    let maps = DecisionMaps { interest: &interest, others, drape: None };
     writer.decision(&story::decision(0), &maps).unwrap();
     let log = story::read(&writer.finish("done", &BTreeMap::new()).unwrap());
     assert_eq!(log.status, Status::Complete);
@@ -92,7 +93,7 @@ fn a_map_of_other_ground_is_refused() {
     let mut writer = LogWriter::over(Vec::new(), &header, story::setting(), options).unwrap();
     let here = story::setting().grid;
     let map = Raster::filled(here.at(0.0, 0.0), 0.0);
-    let maps = DecisionMaps { interest: &map, others: &[] };
+    let maps = DecisionMaps { interest: &map, others: &[], drape: None };
     let refused = writer.decision(&story::decision(0), &maps).unwrap_err();
     let LogError::GridMismatch { name, expected, .. } = refused else { panic!("{refused}") };
     assert_eq!((name.as_str(), expected), ("interest", here));
@@ -284,7 +285,7 @@ proptest! {
             writer.observation(observation).unwrap();
         }
         let interest = story::interest(0);
-        let maps = DecisionMaps { interest: &interest, others: &[] };
+        let maps = DecisionMaps { interest: &interest, others: &[], drape: None };
         writer.decision(&story::decision(0), &maps).unwrap();
         for outcome in &mut came {
             outcome.decision = 0;

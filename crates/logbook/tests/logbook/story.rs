@@ -13,7 +13,7 @@ use wisdom_goals::{
 };
 use wisdom_grid::{Cell, GridSpec, Raster, Window};
 use wisdom_logbook::{
-    DecisionMaps, LogError, LogReader, LogWriter, Options, RunHeader, Setting, Store,
+    DecisionMaps, Drape, LogError, LogReader, LogWriter, Options, RunHeader, Setting, Store,
 };
 use wisdom_planner::{CostVector, Leg, Plan, Route, Service};
 
@@ -287,7 +287,9 @@ pub(crate) fn tell<S: Store>(writer: &mut LogWriter<S>) -> Result<(), LogError> 
         let (interest, elevation) = (interest(number), Raster::filled(setting().grid, -4500.0));
         let first = [("elevation", &elevation)];
         let others = if number == 0 { &first[..] } else { &[] };
-        writer.decision(&decision(number), &DecisionMaps { interest: &interest, others })?;
+        let uncertainty = Raster::filled(setting().grid, 0.25);
+        let drape = Some(Drape { elevation: &elevation, uncertainty: &uncertainty });
+        writer.decision(&decision(number), &DecisionMaps { interest: &interest, others, drape })?;
         writer.outcome(&outcome(number))?;
     }
     Ok(())

@@ -5,7 +5,9 @@ use std::collections::{BTreeMap, BTreeSet};
 use foxglove::messages::{FrameTransform, Log, PoseInFrame, SceneUpdate};
 use mcap::MessageStream;
 use prost::Message;
-use wisdom_logbook::{record, topic};
+use wisdom_autonomy::Decision;
+use wisdom_grid::Window;
+use wisdom_logbook::{DecisionMaps, Drape, LogError, LogWriter, MapMode, Options, record, topic};
 
 use crate::story;
 
@@ -43,6 +45,7 @@ fn every_topic_names_its_schema() {
         (topic::LOG, "foxglove.Log"),
         ("/map/elevation", "foxglove.Grid"),
         (topic::INTEREST, "foxglove.Grid"),
+        (topic::CLOUD, "foxglove.PointCloud"),
         (topic::POSE, "foxglove.PoseInFrame"),
         (topic::SCENE, "foxglove.SceneUpdate"),
         (topic::TRANSFORM, "foxglove.FrameTransform"),
@@ -97,6 +100,47 @@ fn the_scene_shows_goals_the_path_and_the_track() {
     assert_eq!(points(3), [(5.0, 5.0), (7.0, 5.0)]);
     assert_eq!(points(4), [(1.0, 5.0), (3.0, 5.0), (5.0, 5.0)]);
     assert!(scenes[0].entities.last().unwrap().lines.is_empty(), "nothing was driven yet");
+}
+
+/// Decisions that a log shows a cloud with, of those made on so many versions of the map.
+fn clouds(options: Options, versions: &[u64]) -> Vec<u32> {
+    let mut writer =
+        LogWriter::over(Vec::new(), &story::header(), story::setting(), options).unwrap();
+    let interest = story::interest(0);
+    let drape = Some(Drape { elevation: &interest, uncertainty: &interest });
+    let maps = DecisionMaps { interest: &interest, others: &[], drape };
+    for (number, &map_version) in versions.iter().enumerate() {
+        let decision = Decision { map_version, ..story::decision(number as u32) };
+        writer.decision(&decision, &maps).unwrap();
+    }
+    let bytes = writer.finish("done", &BTreeMap::new()).unwrap();
+    MessageStream::new(&bytes)
+        .unwrap()
+        .map(|message| message.unwrap())
+        .filter(|message| message.channel.topic == topic::CLOUD)
+        .map(|message| message.sequence)
+        .collect()
+}
+
+#[test]
+fn the_draped_map_is_shown_when_it_changed_and_not_without_maps() {
+    assert_eq!(clouds(Options::default(), &[1, 1, 2, 2, 2, 5]), [0, 2, 5]);
+    let lean = Options { maps: MapMode::Digest, ..Options::default() };
+    assert!(clouds(lean, &[1, 2]).is_empty());
+}
+
+#[test]
+fn a_drape_of_another_shape_is_refused() {
+    let mut writer =
+        LogWriter::over(Vec::new(), &story::header(), story::setting(), Options::default())
+            .unwrap();
+    let interest = story::interest(0);
+    let other = interest.crop(Window { row: 0, col: 0, rows: 2, cols: 2 }).unwrap();
+    let drape = Some(Drape { elevation: &interest, uncertainty: &other });
+    let maps = DecisionMaps { interest: &interest, others: &[], drape };
+    let refused = writer.decision(&story::decision(0), &maps).unwrap_err();
+    let LogError::GridMismatch { name, .. } = refused else { panic!("{refused}") };
+    assert_eq!(name, "elevation uncertainty");
 }
 
 #[test]
