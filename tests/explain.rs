@@ -184,7 +184,7 @@ fn a_goals_life_is_told_from_its_evidence_to_its_end() {
     assert!(ends[0] > 0 && ends[1] > 0, "some goals end, some do not: {ends:?}");
 
     let text = done(&explained(&path, &["--goal", "0"]));
-    for part in ["born  ", "evidence", "credit", "weighed", "formulated > ", "end  "] {
+    for part in ["new-maximum", "evidence", "credit", "weighed", "formulation: ", "end  "] {
         assert!(text.contains(part), "no `{part}` in\n{text}");
     }
     let refused = explained(&path, &["--goal", "G4000"]);

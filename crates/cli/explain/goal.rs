@@ -135,7 +135,7 @@ fn tell(out: &mut dyn Write, life: &GoalLife, born: &Born) -> std::io::Result<()
         "  born       at decision {}, {}: {}{parent}{order}",
         birth.decision,
         clock(birth.time_s),
-        birth.verdict.reason
+        birth.verdict.changes.first().map_or(&birth.verdict.reason, |change| &change.reason)
     )?;
     writeln!(
         out,
