@@ -28,7 +28,12 @@ pub(crate) const LOSSY: u8 = 3;
 /// The exit code of a command that told what a log holds: a log that is not whole says so, in words and in
 /// the code.
 pub(crate) fn of_log(log: &LogReader) -> ExitCode {
-    match &log.status {
+    of_status(&log.status)
+}
+
+/// The same for a command that did not read the log whole.
+pub(crate) fn of_status(status: &Status) -> ExitCode {
+    match status {
         Status::Complete => ExitCode::SUCCESS,
         status @ Status::Truncated { .. } => {
             complain(&format!("remark: the log is {status}"));
@@ -83,7 +88,9 @@ fn is_input(error: &(dyn std::error::Error + 'static)) -> bool {
         };
     }
     match error.downcast_ref::<LogError>() {
-        Some(LogError::NotALog { .. } | LogError::Exists { .. }) => true,
+        Some(LogError::NotALog { .. } | LogError::Exists { .. } | LogError::NoDecision { .. }) => {
+            true
+        }
         Some(LogError::Io { source, .. }) => matches!(
             source.kind(),
             ErrorKind::NotFound

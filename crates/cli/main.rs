@@ -9,6 +9,7 @@ mod exit;
 mod explain;
 mod export;
 mod figure;
+mod log;
 mod mission_args;
 mod paper;
 mod redecide;
@@ -55,6 +56,8 @@ enum Command {
     Show(show::ShowArgs),
     /// Hand a logged decision to other tools: PDDL for planners, DOT for drawings.
     Export(export::ExportArgs),
+    /// Look into a log, check it, or save what a broken one still holds.
+    Log(log::LogArgs),
     /// Check a mission without running it.
     Check(check::CheckArgs),
     // Without a doc comment, as above.
@@ -80,6 +83,7 @@ fn main() -> ExitCode {
         Command::Campaign(args) => campaign::run(&args),
         Command::Show(args) => show::run(&args),
         Command::Export(args) => export::run(&args),
+        Command::Log(args) => log::run(&args),
         Command::Check(args) => check::run(&args),
         Command::Schema(args) => schema::run(&args),
         Command::Rules(args) => rules::run(&args),

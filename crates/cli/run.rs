@@ -13,12 +13,17 @@ use serde_json::{Value, json};
 use wisdom_autonomy::{Decision, Maps, Message, Observation, Outcome};
 use wisdom_goals::{Action, Cause, GoalId, Reason};
 use wisdom_logbook::{LogWriter, MapMode, Options, SyncPolicy};
-use wisdom_mission::{FaultEvent, Mission, Override, Progress, RecordError, Recorder, RunSummary};
+use wisdom_mission::{
+    FaultEvent, Mission, Override, Progress, RecordError, Recorder, RunStatus, RunSummary,
+};
 
-use crate::exit::InputError;
+use crate::exit::{InputError, LOSSY};
 use crate::mission_args::{MissionArgs, quoted};
 
 /// Run a mission in closed loop and log it.
+///
+/// A run that is interrupted (Ctrl-C, or a request to terminate) stops after the decision at hand: its log is
+/// whole and says `stopped`, and the exit code is 3.
 #[derive(clap::Args, Debug)]
 pub(crate) struct RunArgs {
     #[command(flatten)]
@@ -46,6 +51,10 @@ pub(crate) struct RunArgs {
     /// Print one JSON object instead of text.
     #[arg(long)]
     json: bool,
+    /// Print `decision N` once decision N is safe in the log, for a program that watches over the run: whatever
+    /// happens to the process, every decision so acknowledged can be read back.
+    #[arg(long, conflicts_with = "json")]
+    acknowledge: bool,
 }
 
 fn map_mode(text: &str) -> Result<MapMode, String> {
@@ -71,6 +80,7 @@ struct Logged<'a> {
     log: &'a mut LogWriter,
     /// How long the log took.
     logging: Duration,
+    acknowledge: bool,
     tally: Tally,
     /// When the latest input was handed over.
     told: Instant,
@@ -112,7 +122,13 @@ impl Recorder for Logged<'_> {
                 .or_default()
                 .push(verdict.goal.id);
         }
-        self.keep(|log| Recorder::decision(log, decision, maps))
+        self.keep(|log| Recorder::decision(log, decision, maps))?;
+        if self.acknowledge {
+            let mut out = std::io::stdout().lock();
+            // A watcher that went away is no reason to end the run.
+            writeln!(out, "decision {}", decision.number).and_then(|()| out.flush()).ok();
+        }
+        Ok(())
     }
 
     fn outcome(&mut self, outcome: &Outcome) -> Result<(), RecordError> {
@@ -173,6 +189,7 @@ pub(crate) fn run(args: &RunArgs) -> anyhow::Result<ExitCode> {
     let mut recorder = Logged {
         log: &mut log,
         logging,
+        acknowledge: args.acknowledge,
         tally: Tally::default(),
         told: now(),
         deciding: Vec::new(),
@@ -209,7 +226,7 @@ pub(crate) fn run(args: &RunArgs) -> anyhow::Result<ExitCode> {
             write_summary(&mut out, &mission, &summary, &tally, deciding, &path)?;
         }
     }
-    Ok(ExitCode::SUCCESS)
+    Ok(if summary.status == RunStatus::Stopped { ExitCode::from(LOSSY) } else { ExitCode::SUCCESS })
 }
 
 /// A flag that an interrupt (Ctrl-C) or a request to terminate raises: the run then ends with its end record.

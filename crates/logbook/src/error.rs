@@ -68,4 +68,24 @@ pub enum LogError {
         /// The decision asked for.
         decision: u32,
     },
+    /// The log holds no such decision.
+    #[error("{}: no decision {decision}; the log holds {found}, counted from 0", path.display())]
+    NoDecision {
+        /// The file.
+        path: PathBuf,
+        /// The decision asked for.
+        decision: u32,
+        /// Decisions it holds.
+        found: u64,
+    },
+    /// A part of the file that was asked for is not what was written.
+    #[error("{}, at byte {byte}: {detail}", path.display())]
+    Damaged {
+        /// The file.
+        path: PathBuf,
+        /// Where the part begins.
+        byte: u64,
+        /// What does not hold.
+        detail: String,
+    },
 }

@@ -3,9 +3,11 @@
 pub mod compare;
 mod error;
 mod expand;
+mod indexed;
 mod life;
 pub mod read;
 pub mod record;
+mod recover;
 mod redecide;
 mod reel;
 mod replay;
@@ -18,8 +20,10 @@ pub mod write;
 pub use compare::{Difference, MapDifference, first_difference};
 pub use error::LogError;
 pub use expand::expand;
+pub use indexed::{AttachmentAt, Contents, IndexedLog};
 pub use life::{GoalLife, Weighing};
-pub use read::{Entry, LogReader, RunEnd, Status};
+pub use read::{Check, Entry, Item, LogReader, RunEnd, Status, check};
+pub use recover::{RECOVERED, Recovery, recover, recover_into};
 pub use redecide::{
     Parting, Redecided, Retaken, Scores, Terms, mission_with, parting, redecide, side_by_side,
 };

@@ -7,6 +7,7 @@ use std::io::{self, Write};
 use std::path::PathBuf;
 
 use prost::Message as _;
+use wisdom_logbook::read::{Verdict, check_bytes};
 use wisdom_logbook::{
     Entry, LogError, LogReader, LogWriter, Options, Status, Store, SyncPolicy, record, topic,
 };
@@ -58,6 +59,178 @@ fn a_flipped_bit_anywhere_is_reported() {
             }
         }
     }
+}
+
+/// The story in a container whose chunks are not compressed, so that every kind of record can be found in it.
+fn unpacked() -> Vec<u8> {
+    let bytes = story::log();
+    let log = story::read(&bytes);
+    let mut out = io::Cursor::new(Vec::new());
+    let options = mcap::WriteOptions::new().compression(None).profile("wisdom");
+    let mut writer = options.create(&mut out).unwrap();
+    let run =
+        mcap::records::Metadata { name: "wisdom.run".to_owned(), metadata: log.metadata.clone() };
+    writer.write_metadata(&run).unwrap();
+    for attachment in &log.attachments {
+        let attachment = mcap::Attachment {
+            log_time: 0,
+            create_time: 0,
+            name: attachment.name.clone(),
+            media_type: attachment.media_type.clone(),
+            data: Cow::Borrowed(&attachment.data),
+        };
+        writer.attach(&attachment).unwrap();
+    }
+    for message in mcap::MessageStream::new(&bytes).unwrap() {
+        let message = message.unwrap();
+        let ends = message.channel.topic == topic::DECISION;
+        writer.write(&message).unwrap();
+        if ends {
+            writer.flush().unwrap();
+        }
+    }
+    let end = log.end.unwrap();
+    let mut facts = end.facts.clone();
+    facts.insert("status".to_owned(), end.status);
+    facts.insert("decisions".to_owned(), end.decisions.to_string());
+    facts.insert("chain".to_owned(), end.chain);
+    let end = mcap::records::Metadata { name: "wisdom.end".to_owned(), metadata: facts };
+    writer.write_metadata(&end).unwrap();
+    writer.finish().unwrap();
+    drop(writer);
+    out.into_inner()
+}
+
+/// Kind and place of every record, those in chunks too: where its opcode is, and where it ends.
+fn records(bytes: &[u8]) -> Vec<(u8, std::ops::Range<usize>)> {
+    fn split(bytes: &[u8], mut at: usize, end: usize, out: &mut Vec<(u8, std::ops::Range<usize>)>) {
+        while at < end {
+            let length: [u8; 8] = bytes[at + 1..at + 9].try_into().unwrap();
+            let next = at + 9 + u64::from_le_bytes(length) as usize;
+            out.push((bytes[at], at..next));
+            if bytes[at] == mcap::records::op::CHUNK {
+                // A chunk's header has 40 bytes where no compression is named.
+                split(bytes, at + 9 + 40, next, out);
+            }
+            at = next;
+        }
+        assert_eq!(at, end);
+    }
+    let mut out = Vec::new();
+    split(bytes, 8, bytes.len() - 8, &mut out);
+    out
+}
+
+#[test]
+fn a_flipped_bit_in_every_kind_of_record_is_reported_by_reader_and_check() {
+    use mcap::records::op;
+    let bytes = unpacked();
+    let name = std::path::Path::new("unpacked.mcap");
+    let check = |bytes: &[u8]| check_bytes(name, &mut io::Cursor::new(bytes));
+    assert_eq!(story::read(&bytes).status, Status::Complete);
+    assert_eq!(check(&bytes).unwrap().status, Status::Complete);
+    let mut met = std::collections::BTreeMap::<u8, u32>::new();
+    for (kind, place) in records(&bytes) {
+        let content = place.start + 9..place.end;
+        // Opcode; lowest and highest byte of the length; first, middle and last byte of the content, and in a
+        // chunk every byte of its header.
+        let mut hit = vec![place.start, place.start + 1, place.start + 8];
+        hit.extend([content.start, content.start.midpoint(content.end), content.end - 1]);
+        if kind == op::CHUNK {
+            hit.extend(content.start..content.start + 40);
+        }
+        for byte in hit {
+            let mut hurt = bytes.clone();
+            hurt[byte] ^= 0x10;
+            let read = story::read(&hurt);
+            assert!(
+                matches!(read.status, Status::Corrupt { .. }),
+                "kind {kind}, byte {byte}: {:?}",
+                read.status
+            );
+            let found = check(&hurt).unwrap();
+            assert!(
+                matches!(found.status, Status::Corrupt { .. }),
+                "kind {kind}, byte {byte}: {found:?}"
+            );
+            assert!(
+                found.findings.iter().any(|f| matches!(f.verdict, Verdict::Fails(_))),
+                "kind {kind}, byte {byte}: {found:?}"
+            );
+        }
+        *met.entry(kind).or_default() += 1;
+    }
+    let kinds = [
+        op::HEADER,
+        op::FOOTER,
+        op::SCHEMA,
+        op::CHANNEL,
+        op::MESSAGE,
+        op::CHUNK,
+        op::MESSAGE_INDEX,
+        op::CHUNK_INDEX,
+        op::ATTACHMENT,
+        op::ATTACHMENT_INDEX,
+        op::STATISTICS,
+        op::METADATA,
+        op::METADATA_INDEX,
+        op::SUMMARY_OFFSET,
+        op::DATA_END,
+    ];
+    assert_eq!(met.keys().copied().collect::<Vec<_>>(), kinds, "{met:?}");
+}
+
+#[test]
+fn a_check_holds_the_summary_against_the_data() {
+    let bytes = unpacked();
+    let name = std::path::Path::new("unpacked.mcap");
+    // Without its checksum, a summary is believed by nobody but for what it says.
+    let checksum = bytes.len() - 12..bytes.len() - 8;
+    let mut unsummed = bytes.clone();
+    unsummed[checksum].fill(0);
+    let found = check_bytes(name, &mut io::Cursor::new(&unsummed)).unwrap();
+    assert_eq!(found.status, Status::Complete);
+    let kinds = [
+        (mcap::records::op::STATISTICS, "how many"),
+        (mcap::records::op::CHUNK_INDEX, "where the chunks are"),
+        (mcap::records::op::ATTACHMENT_INDEX, "where the attachments are"),
+        (mcap::records::op::METADATA_INDEX, "where the metadata are"),
+        (mcap::records::op::SUMMARY_OFFSET, "where each kind of record"),
+    ];
+    for (wanted, what) in kinds {
+        let (_, place) =
+            records(&bytes).into_iter().find(|(kind, _)| *kind == wanted).expect("it is there");
+        let mut hurt = unsummed.clone();
+        // The first field of each is a number, but that of a summary offset: its second is.
+        hurt[place.start + 10] ^= 1;
+        let found = check_bytes(name, &mut io::Cursor::new(&hurt)).unwrap();
+        let Status::Corrupt { detail, .. } = &found.status else { panic!("{what}: {found:?}") };
+        assert!(detail.contains(what), "{detail}");
+    }
+}
+
+#[test]
+fn a_check_finds_time_stamps_that_do_not_rise() {
+    let bytes = rewritten(|_| (), Some("/weather"));
+    let name = std::path::Path::new("log.mcap");
+    let stamps = |bytes: &[u8]| {
+        let found = check_bytes(name, &mut io::Cursor::new(bytes)).unwrap();
+        let all = found.findings.into_iter().find(|f| f.what == "time stamps rise");
+        (all.unwrap().verdict, found.status)
+    };
+    assert_eq!(stamps(&bytes).0, Verdict::Holds);
+    let mut out = io::Cursor::new(Vec::new());
+    let mut writer = mcap::Writer::new(&mut out).unwrap();
+    for message in mcap::MessageStream::new(&bytes).unwrap() {
+        let mut message = message.unwrap();
+        message.log_time = message.log_time.min(60_250_000_000);
+        writer.write(&message).unwrap();
+    }
+    writer.finish().unwrap();
+    drop(writer);
+    let (verdict, status) = stamps(&out.into_inner());
+    assert!(matches!(verdict, Verdict::Fails(_)), "{verdict:?}");
+    assert!(matches!(status, Status::Corrupt { .. }), "{status:?}");
 }
 
 #[test]

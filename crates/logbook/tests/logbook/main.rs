@@ -4,6 +4,8 @@
 
 mod compare;
 mod damage;
+mod indexed;
+mod recover;
 mod round_trip;
 mod story;
 mod viewers;
