@@ -224,6 +224,10 @@ fn numbers(terms: &[Term]) -> String {
         let value =
             if t.value.is_finite() { format!("{:.3}", t.value) } else { "unbounded".into() };
         match t.limit {
+            // By how much it misses, which is what somebody would have to find.
+            Some(limit) if t.value.is_finite() => {
+                format!("{} {value} against {limit:.3} ({:+.3})", t.name, t.value - limit)
+            }
             Some(limit) => format!("{} {value} against {limit:.3}", t.name),
             None => format!("{} {value}", t.name),
         }
