@@ -48,7 +48,7 @@ enum Command {
     Verify(verify::VerifyArgs),
     /// Take every logged decision again under another rule, policy or value.
     Redecide(redecide::RedecideArgs),
-    /// Run the same worlds under several fusion rules and compare the goal sequences.
+    // Without a doc comment: one here would hide that of `CompareArgs`, which says what is told.
     Compare(compare::CompareArgs),
     // Without a doc comment: one here would hide that of `CampaignArgs`, which says what the folder holds.
     Campaign(campaign::CampaignArgs),

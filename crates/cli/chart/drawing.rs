@@ -16,6 +16,9 @@ use super::{GAP, MARGIN, TICK, svg};
 /// Lines that help to read a value off an axis.
 const GRID: Rgb888 = Rgb888::new(228, 228, 230);
 
+/// What is there but says little.
+const MUTED: Rgb888 = Rgb888::new(168, 168, 174);
+
 /// The colours of a chart.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Tint {
@@ -27,7 +30,18 @@ pub(super) enum Tint {
     Data,
     /// Areas of the data.
     Pale,
+    /// What is passed over.
+    Muted,
+    /// The page.
+    White,
+    /// What is to be noticed.
+    Alert,
+    /// The run at that place among several.
+    Run(usize),
 }
+
+/// Colours of runs that readers with colour vision deficiency can tell apart (Okabe and Ito, 2008).
+const RUNS: [Ink; 6] = [Ink::Blue, Ink::Orange, Ink::Green, Ink::Purple, Ink::SkyBlue, Ink::Black];
 
 impl Tint {
     pub(super) fn rgb(self) -> Rgb888 {
@@ -36,6 +50,10 @@ impl Tint {
             Self::Grid => GRID,
             Self::Data => Ink::Blue.rgb(),
             Self::Pale => Ink::SkyBlue.rgb(),
+            Self::Muted => MUTED,
+            Self::White => Ink::White.rgb(),
+            Self::Alert => Ink::Vermilion.rgb(),
+            Self::Run(place) => RUNS[place % RUNS.len()].rgb(),
         }
     }
 }

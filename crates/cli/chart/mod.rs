@@ -1,5 +1,6 @@
-//! Charts of a campaign's statistics, as SVG and as PNG from one description: a [`ReliabilityDiagram`], and [`Intervals`]
-//! for means by group and for paired differences.
+//! Charts, as SVG and as PNG from one description. Of a campaign's statistics: a [`ReliabilityDiagram`], and [`Intervals`] for
+//! means by group and for paired differences. Of runs held against each other: their goals as [`Lanes`], what they did
+//! when as a [`Timeline`], and what they gained as [`Steps`].
 //!
 //! A chart lays itself out as a [`Drawing`], a list of lines, areas, discs and texts in pixels, and a drawing is written
 //! either way. Text is measured once, in the bitmap fonts that the pictures of maps use: a fresh machine needs no fonts
@@ -8,13 +9,19 @@
 
 mod drawing;
 mod intervals;
+mod lanes;
 mod reliability;
 mod scale;
+mod steps;
 mod svg;
+mod timeline;
 
 pub(crate) use drawing::Drawing;
 pub(crate) use intervals::Intervals;
+pub(crate) use lanes::{Lane, Lanes, Link, Stop};
 pub(crate) use reliability::ReliabilityDiagram;
+pub(crate) use steps::{Curve, Steps};
+pub(crate) use timeline::{Course, Timeline};
 
 /// White border around everything, pixels.
 const MARGIN: i32 = 18;

@@ -320,18 +320,33 @@ impl Canvas {
         part.push(".part");
         let part = Path::new(&part);
         let mut file = BufWriter::new(File::create(part)?);
-        let mut encoder = png::Encoder::new(&mut file, self.width as u32, self.height as u32);
+        self.encode(&mut file)?;
+        // Here, where an error can still be told; a dropped buffer would swallow it.
+        file.flush()?;
+        drop(file);
+        std::fs::rename(part, path)?;
+        Ok(())
+    }
+
+    /// Writes the picture as an RGB PNG.
+    pub(super) fn encode(&self, file: impl Write) -> anyhow::Result<()> {
+        let mut encoder = png::Encoder::new(file, self.width as u32, self.height as u32);
         encoder.set_color(png::ColorType::Rgb);
         encoder.set_depth(png::BitDepth::Eight);
         let mut writer = encoder.write_header()?;
         let bytes: Vec<u8> = self.pixels.iter().flat_map(|p| [p.r(), p.g(), p.b()]).collect();
         writer.write_image_data(&bytes)?;
         writer.finish()?;
-        // Here, where an error can still be told; a dropped buffer would swallow it.
-        file.flush()?;
-        drop(file);
-        std::fs::rename(part, path)?;
         Ok(())
+    }
+
+    /// Copies another picture into this one, its upper left corner at a place; what does not fit is left out.
+    pub(super) fn paste(&mut self, other: &Self, (left, top): (i32, i32)) {
+        for y in 0..other.height {
+            for x in 0..other.width {
+                self.put(left + x, top + y, other.pixels[(y * other.width + x) as usize]);
+            }
+        }
     }
 }
 

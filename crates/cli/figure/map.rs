@@ -119,7 +119,7 @@ impl<'a> Figure<'a> {
     }
 
     /// The finished picture.
-    fn draw(&self) -> anyhow::Result<Canvas> {
+    pub(super) fn draw(&self) -> anyhow::Result<Canvas> {
         self.check()?;
         let span = self.span();
         let layout = self.layout(span);

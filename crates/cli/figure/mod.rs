@@ -12,6 +12,7 @@ mod legend;
 mod map;
 pub(crate) mod marks;
 mod mesh;
+mod sheet;
 mod surface;
 pub(crate) mod text;
 
@@ -19,6 +20,7 @@ pub(crate) use axis::Axes;
 pub(crate) use colour::{ColourMap, Ink};
 pub(crate) use map::Figure;
 pub(crate) use marks::{Markers, Shape, Stroke, Track};
+pub(crate) use sheet::Sheet;
 pub(crate) use surface::{Mast, Surface};
 
 /// White border around everything, pixels.

@@ -1,6 +1,7 @@
 #![doc = include_str!("../README.md")]
 
 pub mod compare;
+pub mod comparison;
 mod error;
 mod expand;
 mod indexed;

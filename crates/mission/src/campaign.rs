@@ -67,23 +67,43 @@ impl Places {
     /// Finds the places that some runs reached.
     #[must_use]
     pub fn of(runs: &[&CampaignRun]) -> Self {
-        let mut places: Vec<Cell> = Vec::new();
-        let sequences = runs
+        let told: Vec<(f64, Vec<Cell>)> = runs
             .iter()
             .map(|run| {
                 let spec = &run.mission.spec;
-                let radius = spec.manager.identity_radius_m / spec.grid.spacing_m();
+                let radius_cells = spec.manager.identity_radius_m / spec.grid.spacing_m();
+                (radius_cells, run.summary.achieved.iter().map(|goal| goal.target).collect())
+            })
+            .collect();
+        Self::among(&told)
+    }
+
+    /// Finds the places of some sequences of targets, each with the radius in cells within which its targets are the
+    /// same place.
+    ///
+    /// ```
+    /// use wisdom_grid::Cell;
+    /// use wisdom_mission::Places;
+    ///
+    /// let runs = [(3.0, vec![Cell::new(0, 0), Cell::new(9, 9)]), (3.0, vec![Cell::new(9, 8)])];
+    /// assert_eq!(Places::among(&runs).sequences, [vec![0, 1], vec![1]]);
+    /// ```
+    #[must_use]
+    pub fn among(runs: &[(f64, Vec<Cell>)]) -> Self {
+        let mut places: Vec<Cell> = Vec::new();
+        let sequences = runs
+            .iter()
+            .map(|(radius_cells, targets)| {
                 let mut sequence = Vec::new();
-                for goal in &run.summary.achieved {
-                    let near = |(_, place): &(usize, &Cell)| place.distance(goal.target) <= radius;
+                for &target in targets {
+                    let near =
+                        |(_, place): &(usize, &Cell)| place.distance(target) <= *radius_cells;
                     let nearest = places.iter().enumerate().filter(near).min_by(|a, b| {
-                        a.1.distance(goal.target)
-                            .total_cmp(&b.1.distance(goal.target))
-                            .then(a.0.cmp(&b.0))
+                        a.1.distance(target).total_cmp(&b.1.distance(target)).then(a.0.cmp(&b.0))
                     });
                     let known = nearest.map(|(index, _)| index);
                     let place = known.unwrap_or_else(|| {
-                        places.push(goal.target);
+                        places.push(target);
                         places.len() - 1
                     });
                     sequence.push(place);

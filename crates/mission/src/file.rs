@@ -111,6 +111,9 @@ pub(crate) struct MissionFile {
     /// Readings handed in while the mission goes on. Default: none.
     #[serde(default)]
     pub reading: Vec<ReadingFile>,
+    /// Places known to be worth a visit, for scoring; the rover is told none of them. Default: none.
+    #[serde(default)]
+    pub label: Vec<LabelFile>,
 }
 
 fn one() -> u64 {
@@ -697,6 +700,23 @@ pub(crate) struct CommandFile {
     /// When it is taken back, mission time in seconds. Default: never.
     #[schemars(range(min = 0.0))]
     pub withdraw_at_s: Option<f64>,
+}
+
+/// A place known to be worth a visit. Runs are scored with it; the rover is not told.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+pub(crate) struct LabelFile {
+    /// Its name.
+    pub name: String,
+    /// The place, [row, col].
+    pub at: Vec<usize>,
+    /// A goal within this distance has found it, metres.
+    #[schemars(range(min = 0.0, max = FAR_M))]
+    pub radius_m: f64,
+    /// What finding it is worth. Default: 1.
+    #[serde(default = "unit_weight")]
+    #[schemars(range(min = 0.0, max = 1e3))]
+    pub worth: f64,
 }
 
 fn unit_weight() -> f64 {

@@ -7,6 +7,7 @@ mod error;
 mod fault;
 mod file;
 mod ground;
+mod label;
 mod lint;
 mod mission;
 mod reading;
@@ -27,6 +28,7 @@ pub use campaign::{
 pub use closed_loop::{Achievement, LegRecord, Progress, RunError, RunStatus, RunSummary, run};
 pub use error::MissionError;
 pub use fault::{Fault, FaultEvent, FaultKind};
+pub use label::{Label, labels_found};
 pub use lint::{Lint, Warning, lint};
 pub use mission::{MISSION_FILE, Mission, Override};
 pub use reading::Reading;

@@ -22,8 +22,10 @@ use wisdom_planner::{PlannerError, Preset, Vehicle};
 use crate::MissionError;
 use crate::fault::{Fault, FaultKind};
 use crate::file::{
-    DerivedName, ExpertFile, FaultFile, FaultName, FirstLookU, MissionFile, PriorKind, UpdateName,
+    DerivedName, ExpertFile, FaultFile, FaultName, FirstLookU, LabelFile, MissionFile, PriorKind,
+    UpdateName,
 };
+use crate::label::Label;
 use crate::supply::{Carried, Files, Folder, Supply};
 use crate::truth::{LayerTruth, ReadingKind};
 use crate::world::{Execution, Instrument, Prior, World};
@@ -61,6 +63,8 @@ pub struct Mission {
     pub spec: Spec,
     /// What is true, and how the rover senses and moves.
     pub world: World,
+    /// Places known to be worth a visit: for scoring, and told to no rover.
+    pub labels: Vec<Label>,
     /// The changes it was read with.
     pub overrides: Vec<Override>,
     /// Every file it consists of, by its path in the mission's folder, unchanged but for
@@ -116,6 +120,7 @@ impl Mission {
         let mut files = Files { supply, taken: BTreeMap::from([own]) };
         let reader = Reader { name, file: &parsed, text: &text };
         let (spec, world) = reader.assemble(&mut files)?;
+        let labels = reader.labels(spec.grid)?;
         let files = files.taken;
         let mut digest = blake3::Hasher::new();
         for (path, bytes) in &files {
@@ -130,6 +135,7 @@ impl Mission {
             seed: parsed.seed,
             spec,
             world,
+            labels,
             overrides: overrides.to_vec(),
             digest: *digest.finalize().as_bytes(),
             files,
@@ -1132,6 +1138,34 @@ impl Reader<'_> {
         // Stable: of commands at one time, the one the mission names first comes first.
         commands.sort_by(|a, b| a.0.total_cmp(&b.0));
         Ok(commands)
+    }
+
+    /// Places known to be worth a visit.
+    fn labels(&self, grid: GridSpec) -> Result<Vec<Label>, MissionError> {
+        let files = &self.file.label;
+        let label = |(i, file): (usize, &LabelFile)| {
+            let index = i.to_string();
+            let error = |key: &str, message: String| self.error(&["label", &index, key], message);
+            if files[..i].iter().any(|earlier| earlier.name == file.name) {
+                return Err(error("name", format!("label `{}` is given twice", file.name)));
+            }
+            let [row, col] = file.at[..] else {
+                return Err(error("at", format!("{} numbers; expected [row, col]", file.at.len())));
+            };
+            let at = Cell { row, col };
+            if !grid.contains(at) {
+                return Err(error("at", format!("{at} is off {}", shown(grid))));
+            }
+            let number =
+                |key: &str, value, high| self.within(&["label", &index, key], value, 0.0, high);
+            Ok(Label {
+                name: file.name.clone(),
+                at,
+                radius_m: number("radius-m", file.radius_m, FAR_M)?,
+                worth: number("worth", file.worth, 1e3)?,
+            })
+        };
+        files.iter().enumerate().map(label).collect()
     }
 
     /// What may break.

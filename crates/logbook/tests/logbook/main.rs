@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "test code: a failed step is a failed test")]
 
 mod compare;
+mod comparison;
 mod damage;
 mod indexed;
 mod recover;
