@@ -1,6 +1,8 @@
 //! What is exported as PDDL means what the sequencer solved: a small interpreter of PDDL here, and planners and a
 //! validator from outside where they can be had, agree with it on the optimum.
 
+mod venv;
+
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
 use std::fs;
@@ -622,45 +624,13 @@ for folder in sys.argv[1:]:
         print("(" + " ".join(words) + ")", flush=True)
 "#;
 
-/// The programs of a virtual environment with the planner and the validator; why not, where they cannot be had.
-fn outside() -> Result<PathBuf, String> {
-    let venv = Path::new(env!("CARGO_TARGET_TMPDIR")).join("pddl-venv");
-    let programs = venv.join("bin");
-    let ready = venv.join("ready");
-    if ready.exists() {
-        return Ok(programs);
-    }
-    let run = |program: &Path, args: &[&str]| {
-        let output = Command::new(program)
-            .args(args)
-            .output()
-            .map_err(|e| format!("{}: {e}", program.display()))?;
-        let last = String::from_utf8_lossy(&output.stderr);
-        let last = last.lines().rfind(|l| l.starts_with("ERROR")).unwrap_or("it failed").to_owned();
-        output.status.success().then_some(()).ok_or(last)
-    };
-    run(Path::new("python3"), &["-m", "venv", "--clear", &venv.display().to_string()])?;
-    let packages =
-        ["unified-planning==1.3.0", "up-fast-downward==1.0.0", "pddl-pyvalidator==0.1.5"];
-    let install = [
-        "-m",
-        "pip",
-        "install",
-        "--quiet",
-        "--disable-pip-version-check",
-        "--retries",
-        "1",
-        "--timeout",
-        "20",
-    ];
-    run(&programs.join("python"), &[&install[..], &packages[..]].concat())?;
-    fs::write(ready, "").map_err(|e| e.to_string())?;
-    Ok(programs)
-}
+/// The planner and the validator.
+const OUTSIDERS: [&str; 3] =
+    ["unified-planning==1.3.0", "up-fast-downward==1.0.0", "pddl-pyvalidator==0.1.5"];
 
 #[test]
 fn outside_planners_agree_on_the_optimum() {
-    let programs = match outside() {
+    let programs = match venv::environment("pddl-venv", &OUTSIDERS) {
         Ok(programs) => programs,
         Err(why) => {
             println!("skipped: outside_planners_agree_on_the_optimum: {why}");

@@ -1,5 +1,7 @@
 //! A log is read without any code of ours: public Python packages find in it what our own reader finds.
 
+mod venv;
+
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -10,47 +12,16 @@ use wisdom_grid::{Cell, Raster};
 use wisdom_logbook::{Entry, LogReader, Options, Status, begin, record, topic};
 use wisdom_mission::{Mission, Override};
 
-/// The Python of a virtual environment with the packages that `read_log.py` asks for; why not, where they cannot be
-/// had.
-fn python() -> Result<PathBuf, String> {
-    let venv = Path::new(env!("CARGO_TARGET_TMPDIR")).join("mcap-venv");
-    let python = venv.join("bin/python");
-    let ready = venv.join("ready");
-    if ready.exists() {
-        return Ok(python);
-    }
-    let run = |program: &Path, args: &[&str]| {
-        let output = Command::new(program)
-            .args(args)
-            .output()
-            .map_err(|e| format!("{}: {e}", program.display()))?;
-        let last = String::from_utf8_lossy(&output.stderr);
-        let last = last.lines().rfind(|l| l.starts_with("ERROR")).unwrap_or("it failed").to_owned();
-        output.status.success().then_some(()).ok_or(last)
-    };
-    run(Path::new("python3"), &["-m", "venv", "--clear", &venv.display().to_string()])?;
-    let packages = [
-        "mcap==1.6.0",
-        "mcap-protobuf-support==0.6.0",
-        "protobuf==7.36.2",
-        "zstandard==0.25.0",
-        "blake3==1.0.11",
-    ];
-    let install = [
-        "-m",
-        "pip",
-        "install",
-        "--quiet",
-        "--disable-pip-version-check",
-        "--retries",
-        "1",
-        "--timeout",
-        "20",
-    ];
-    run(&python, &[&install[..], &packages[..]].concat())?;
-    fs::write(ready, "").map_err(|e| e.to_string())?;
-    Ok(python)
-}
+use venv::environment;
+
+/// What `read_log.py` asks for.
+const PACKAGES: [&str; 5] = [
+    "mcap==1.6.0",
+    "mcap-protobuf-support==0.6.0",
+    "protobuf==7.36.2",
+    "zstandard==0.25.0",
+    "blake3==1.0.11",
+];
 
 /// The Python, or none after saying that the test was skipped.
 #[expect(clippy::print_stdout, reason = "a test that was skipped says so")]
@@ -58,8 +29,8 @@ fn python_or_skip(test: &str) -> Option<PathBuf> {
     // Tests run side by side, and one environment serves them all.
     static MAKING: std::sync::Mutex<()> = std::sync::Mutex::new(());
     let _one = MAKING.lock().expect("nobody panics while it is made");
-    match python() {
-        Ok(python) => Some(python),
+    match environment("mcap-venv", &PACKAGES) {
+        Ok(programs) => Some(programs.join("python")),
         Err(why) => {
             println!("skipped: {test}: {why}");
             None

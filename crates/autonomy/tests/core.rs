@@ -2,14 +2,14 @@
 
 use wisdom_autonomy::{
     Act, ApproachSpec, Autonomy, AutonomyError, Budget, Decision, Fallback, LayerSpec, LayerWindow,
-    MapUpdate, Observation, Outcome, Pose, RouteSpec, Source, Spec, Spent, StepResult, Trigger,
-    Triggers,
+    MapUpdate, Moment, Observation, Outcome, Pose, RouteSpec, Source, Spec, Spent, StepResult,
+    Trigger, Triggers,
 };
 use wisdom_belief::Opinion;
 use wisdom_fusion::{Band, Expert, Fusion, LookupTable, Rows};
 use wisdom_goals::{
-    Action, Directive, Domain, GoalId, ManagerSpec, OperatorText, Policy, Preferences, PrizeScale,
-    Reason, ServiceCost,
+    Action, Directive, Domain, FactSet, GoalId, ManagerSpec, OperatorText, Policy, Preferences,
+    PrizeScale, Reason, ServiceCost,
 };
 use wisdom_grid::{Cell, GridSpec, Window};
 use wisdom_planner::Vehicle;
@@ -303,4 +303,56 @@ fn the_manager_s_memory_in_the_record_is_enough_to_take_a_decision_again() {
     assert_eq!(first.manager_after.goals, second.state.manager.goals);
     assert_eq!(second.manager_after.goals[&goal].attempts, 1);
     assert_eq!(second.manager_after.decision, 2);
+
+    // Another core, which was told the same of the ground and nothing of what happened on it.
+    let mut other = Bench::new(spec());
+    other.see(0.3, flat, both);
+    let retaken =
+        |bench: &mut Bench, of: &Decision| bench.rover.decide_at(moment(of)).expect("it fits");
+    assert_eq!(retaken(&mut other, &second), second);
+    assert_eq!(retaken(&mut other, &first), first, "and back");
+}
+
+/// The moment at which a decision was taken.
+fn moment(decision: &Decision) -> Moment {
+    Moment {
+        number: decision.number,
+        triggers: decision.triggers.clone(),
+        state: decision.state.clone(),
+        map_changed: decision.map_changed,
+    }
+}
+
+#[test]
+fn a_moment_that_the_spec_cannot_know_is_refused_and_changes_nothing() {
+    let mut bench = Bench::new(spec());
+    bench.see(0.3, flat, lamp((20, 30), 9.5));
+    let first = bench.decide();
+    bench.report(&first, StepResult::Aborted(pursued(&first)), &["drive"]);
+    let sound = moment(&first);
+    let strange = |change: &dyn Fn(&mut Moment)| {
+        let mut moment = moment(&first);
+        moment.state.manager = first.manager_after.clone();
+        change(&mut moment);
+        moment
+    };
+    let goal = pursued(&first);
+    let off = Cell::new(SIDE, 0);
+    let refused = [
+        strange(&|m| m.state.pose.cell = off),
+        strange(&|m| m.state.facts = FactSet::from_bits(1 << 60)),
+        strange(&|m| m.state.manager.agenda.push(GoalId(77))),
+        strange(&|m| m.state.underway = Some(GoalId(78))),
+        strange(&|m| m.state.manager.goals.get_mut(&goal).expect("it is open").directive = 9),
+        strange(&|m| m.state.manager.goals.get_mut(&goal).expect("it is open").target = off),
+    ];
+    let before = bench.rover.clone();
+    for moment in refused {
+        let error = bench.rover.decide_at(moment.clone()).expect_err("it cannot be");
+        let named = matches!(error, AutonomyError::Moment { .. } | AutonomyError::OffGrid { .. });
+        assert!(named, "{error}");
+    }
+    let decide = |rover: &Autonomy| rover.clone().decide().expect("it goes on");
+    assert_eq!(decide(&bench.rover), decide(&before));
+    assert!(bench.rover.decide_at(sound).is_ok());
 }
