@@ -116,7 +116,7 @@ fn one_goal_is_explained_in_full_and_mistakes_are_named() {
     for part in ["because    start", "chose", "energy", "floor", "pose  ", "with it", "displaces"] {
         assert!(text.contains(part), "no `{part}` in\n{text}");
     }
-    assert!(text.contains(&out) && text.contains("1 goals left out"), "{text}");
+    assert!(text.contains(&out) && text.contains("1 goal left out"), "{text}");
     assert!(!text.contains("NOT CONFIRMED"), "{text}");
     assert_eq!(text, full("3"), "the threads do not matter");
 

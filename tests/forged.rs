@@ -11,6 +11,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use mcap::records::{MessageHeader, Metadata};
+use prost::Message as _;
 use wisdom_logbook::record::{self, CHAIN_START, Decision};
 use wisdom_logbook::{
     Difference, LogReader, MapMode, Options, Status, SyncPolicy, Verification, VerifyLevel, topic,
@@ -36,6 +37,8 @@ struct Parts {
     attachments: Vec<(String, String, Vec<u8>)>,
     messages: Vec<Message>,
     end: BTreeMap<String, String>,
+    /// A further metadata record: before the messages if it opens a run, else after the end.
+    more: Option<&'static str>,
 }
 
 /// What a forger makes anew.
@@ -77,6 +80,7 @@ impl Parts {
                 .collect(),
             messages: messages.collect(),
             end: facts,
+            more: None,
         }
     }
 
@@ -154,6 +158,11 @@ impl Parts {
         let mut writer = mcap::Writer::new(file).expect("a container");
         let run = Metadata { name: "wisdom.run".to_owned(), metadata: self.run };
         writer.write_metadata(&run).expect("it fits");
+        let more =
+            self.more.map(|name| Metadata { name: name.to_owned(), metadata: BTreeMap::new() });
+        if let Some(again) = more.as_ref().filter(|more| more.name == "wisdom.run") {
+            writer.write_metadata(again).expect("it fits");
+        }
         for (name, media_type, data) in &self.attachments {
             writer
                 .attach(&mcap::Attachment {
@@ -182,6 +191,9 @@ impl Parts {
         }
         let end = Metadata { name: "wisdom.end".to_owned(), metadata: self.end };
         writer.write_metadata(&end).expect("it fits");
+        if let Some(late) = more.as_ref().filter(|more| more.name != "wisdom.run") {
+            writer.write_metadata(late).expect("it fits");
+        }
         writer.finish().expect("it is closed");
     }
 }
@@ -283,6 +295,21 @@ fn of_the_file() -> Vec<Forgery> {
         ),
         forgery("an end of another chain", Checksums, File("the run ended with"), |p| {
             p.end.insert("chain".to_owned(), "00".repeat(32));
+        }),
+        forgery("a second map of one decision", Checksums, File("is there twice"), move |p| {
+            let at = nth(p, topic::INTEREST, 1);
+            let twice = p.messages[at].clone();
+            p.messages.insert(at, twice);
+        }),
+        forgery("a map of another decision", Checksums, File("of decision 5 before 1"), move |p| {
+            let at = nth(p, topic::INTEREST, 1);
+            p.messages[at].sequence = 5;
+        }),
+        forgery("a second beginning", Checksums, File("wisdom.run is there twice"), |p| {
+            p.more = Some("wisdom.run");
+        }),
+        forgery("something after the end", Checksums, File("follows the end"), |p| {
+            p.more = Some("weather");
         }),
         forgery("another rule named", Checksums, Identity("rule"), |p| {
             p.run.insert("rule".to_owned(), "pcr6".to_owned());
@@ -424,6 +451,18 @@ fn of_outputs() -> Vec<Forgery> {
             p.decision(1, |d| {
                 d.candidates.as_mut().expect("candidates").sites.pop();
             });
+        }),
+        forgery("a map left out of a full log", All, Stage("fusion", "/map/interest"), |p| {
+            let at = p.messages.iter().rposition(|m| m.topic == topic::INTEREST);
+            p.messages.remove(at.expect("a map"));
+        }),
+        forgery("a map where it is not", All, Stage("fusion", "map"), |p| {
+            // Where the map lies is the first number of its pose: 0 is not written, so it is added.
+            let grid = p.messages.iter_mut().find(|m| m.topic == topic::INTEREST).expect("a map");
+            let mut moved = foxglove::messages::Grid::decode(&grid.data[..]).expect("a grid");
+            let place = moved.pose.as_mut().and_then(|pose| pose.position.as_mut());
+            place.expect("a place").x = f64::NAN;
+            grid.data = moved.encode_to_vec();
         }),
         forgery("one cell of a map", All, Stage("fusion", "/map/interest"), |p| {
             let grids = p.messages.iter_mut().filter(|m| m.topic == topic::INTEREST);

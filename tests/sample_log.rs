@@ -43,3 +43,33 @@ fn the_newest_sample_is_decided_again() {
         .expect("the mission inside loads");
     assert_eq!(verified.difference, None, "decisions changed: raise DECISION_VERSION and say why");
 }
+
+#[test]
+fn logs_that_another_version_decided_are_not_comparable_whatever_is_asked() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for name in ["paper-0.1.0.mcap", "paper-decisions-2.mcap", "paper-decisions-4.mcap"] {
+        let path = sample(name);
+        let verified = wisdom_logbook::verify(&path, VerifyLevel::Redecide, &mut |_| {});
+        let verified = verified.expect("the mission inside loads");
+        assert!(verified.not_comparable.is_some() && verified.difference.is_none(), "{name}");
+        let path = path.to_str().expect("UTF-8");
+        let out = folder.path().join("out.mcap");
+        let out = out.to_str().expect("UTF-8");
+        for args in [
+            &["verify", path][..],
+            &["redecide", path, "--rule", "pcr6"],
+            &["explain", path],
+            &["log", "expand", path, out],
+        ] {
+            let output = std::process::Command::new(env!("CARGO_BIN_EXE_wisdom"))
+                .args(args)
+                .output()
+                .expect("the command runs");
+            let told = [&output.stdout[..], &output.stderr[..]].concat();
+            let told = String::from_utf8_lossy(&told).into_owned();
+            assert_eq!(output.status.code(), Some(2), "{args:?}: {told}");
+            assert!(told.contains("not comparable"), "{args:?}: {told}");
+        }
+        assert!(!std::path::Path::new(out).exists());
+    }
+}

@@ -3,7 +3,7 @@
 use std::io::ErrorKind;
 use std::process::ExitCode;
 
-use wisdom_logbook::{LogError, LogReader, ReplayError, Status};
+use wisdom_logbook::{LogError, LogReader, ReplayError, Status, part_of};
 use wisdom_mission::MissionError;
 
 /// The input or the call is wrong: exit code 2.
@@ -61,6 +61,19 @@ fn told(error: &anyhow::Error) -> String {
     text
 }
 
+/// What lies beside a log that is not there: that of a run which goes on, or was killed.
+fn beside(error: &anyhow::Error) -> String {
+    let missing = error.chain().find_map(|cause| match cause.downcast_ref::<LogError>() {
+        Some(LogError::Io { path, source }) if source.kind() == ErrorKind::NotFound => Some(path),
+        _ => None,
+    });
+    let part = missing.map(|path| part_of(path)).filter(|part| part.exists());
+    part.map_or_else(String::new, |part| {
+        let part = part.display();
+        format!("; there is {part}, of a run that goes on or was killed")
+    })
+}
+
 /// Prints an error and tells its exit code.
 pub(crate) fn report(error: &anyhow::Error) -> ExitCode {
     // A reader that closed the pipe early (`wisdom replay LOG | head`) is no failure of ours.
@@ -74,7 +87,11 @@ pub(crate) fn report(error: &anyhow::Error) -> ExitCode {
         complain(&mission.to_string());
         return ExitCode::from(BAD_INPUT);
     }
-    complain(&format!("error: {}", told(error)));
+    complain(&format!("error: {}{}", told(error), beside(error)));
+    if let Some(ReplayError::NoMission { status }) = error.downcast_ref() {
+        let damaged = matches!(status, Status::Corrupt { .. });
+        return ExitCode::from(if damaged { FAILED } else { LOSSY });
+    }
     ExitCode::from(if error.chain().any(is_input) { BAD_INPUT } else { FAILED })
 }
 
@@ -83,7 +100,10 @@ fn is_input(error: &(dyn std::error::Error + 'static)) -> bool {
     if let Some(replay) = error.downcast_ref::<ReplayError>() {
         return match replay {
             ReplayError::Log(log) => is_input(log),
-            ReplayError::Mission(_) | ReplayError::Unfit { .. } => true,
+            ReplayError::Mission(_)
+            | ReplayError::Unfit { .. }
+            | ReplayError::OtherVersion { .. }
+            | ReplayError::NoPlane { .. } => true,
             _ => false,
         };
     }
@@ -95,6 +115,7 @@ fn is_input(error: &(dyn std::error::Error + 'static)) -> bool {
             source.kind(),
             ErrorKind::NotFound
                 | ErrorKind::IsADirectory
+                | ErrorKind::NotADirectory
                 | ErrorKind::InvalidInput
                 | ErrorKind::PermissionDenied
                 | ErrorKind::ReadOnlyFilesystem

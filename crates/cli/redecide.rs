@@ -9,7 +9,9 @@ use comfy_table::presets::NOTHING;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::{Value, json};
 use wisdom_logbook::record::{Act, Decision, Goal, Sequence, Verdict};
-use wisdom_logbook::{LogReader, Redecided, Retaken, Terms, mission_with, redecide, side_by_side};
+use wisdom_logbook::{
+    LogReader, Redecided, ReplayError, Retaken, Terms, mission_with, redecide, side_by_side,
+};
 use wisdom_mission::{Mission, Override};
 
 use crate::exit::InputError;
@@ -57,7 +59,11 @@ pub(crate) fn run(args: &RedecideArgs) -> anyhow::Result<ExitCode> {
     let log = LogReader::open(&args.log)?;
     let under = match &args.mission {
         Some(path) => Mission::load(path, &overrides)?,
-        None => mission_with(&log, &overrides)?,
+        None => match mission_with(&log, &overrides) {
+            // The log's own mission loads: what does not is the change.
+            Err(ReplayError::Mission(error)) => return Err(error.into()),
+            other => other?,
+        },
     };
     let count = log.decisions().count();
     if let Some(number) = args.decision
@@ -226,6 +232,13 @@ fn tell(
     for remark in remarks {
         writeln!(out, "remark: {remark}")?;
     }
+    if change.0.starts_with("mission ") {
+        writeln!(
+            out,
+            "remark: readings, messages and the times of decisions are the log's; rules, tables, directives, limits and \
+             the effort of\n        searching are the other mission's, without what the log's run had changed (--set)"
+        )?;
+    }
     let mut table = Table::new();
     table.load_style(NOTHING);
     table.set_header([
@@ -258,8 +271,9 @@ fn tell(
     writeln!(out, "\n{table}")?;
     writeln!(
         out,
-        "Scores: expected interest of both orders on the map of this change. Goals born at the decision itself may bear\n\
-         one name and be two places."
+        "Scores: expected interest of both orders on the map of this change. The own order may have less: it was chosen by the\n\
+         mission's policy, and places of the logged one need be no goals here. Goals born at the decision itself may bear one\n\
+         name and be two places."
     )?;
     match first {
         None => writeln!(out, "\nThe change makes no difference to what would have been done."),

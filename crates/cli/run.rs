@@ -180,11 +180,12 @@ pub(crate) fn run(args: &RunArgs) -> anyhow::Result<ExitCode> {
         Some(path) => path.clone(),
         None => free_name(&mission)?,
     };
+    // From the log's first byte on, a request to stop ends it with an end record.
+    let stop = interrupted()?;
     let options = Options { sync: args.sync, maps: args.maps };
     let opened = now();
     let mut log = wisdom_logbook::begin(&path, &mission, options)?;
     let logging = now() - opened;
-    let stop = interrupted()?;
     let bar = bar(args, &mission)?;
     let mut recorder = Logged {
         log: &mut log,
@@ -218,7 +219,7 @@ pub(crate) fn run(args: &RunArgs) -> anyhow::Result<ExitCode> {
     };
     logging += now() - closing;
     let deciding = Pace::of(deciding, logging, now() - begun);
-    if !args.quiet {
+    if args.json || !args.quiet {
         let mut out = std::io::stdout().lock();
         if args.json {
             writeln!(out, "{}", as_json(&mission, &summary, &tally, deciding, &path))?;

@@ -63,7 +63,7 @@ fn as_json(args: &VerifyArgs, found: &Verification) -> serde_json::Value {
         "log": args.log.display().to_string(),
         "level": found.level.name(),
         "holds": found.holds(),
-        "identical": decided.then(|| found.difference.is_none()),
+        "identical": decided.then(|| found.difference.is_none() && !matches!(found.status, Status::Corrupt { .. })),
         "decisions": found.decisions,
         "maps": found.maps,
         "log_status": found.status.to_string(),
@@ -94,11 +94,18 @@ fn tell(out: &mut dyn Write, found: &Verification) -> std::io::Result<()> {
         writeln!(out, "remark: {remark}")?;
     }
     let of_file = format!("log {status}, chain {chain}");
+    let before = match status {
+        Status::Corrupt { .. } => "DAMAGED; before the damage ",
+        Status::Complete | Status::Truncated { .. } => "",
+    };
     match (&found.not_comparable, &found.difference) {
         (Some(why), _) => writeln!(out, "not comparable: {why}; {of_file}")?,
         (None, Some(d)) => {
+            // By the time the world is driven again, all decisions were found to follow from what was logged.
+            let when =
+                if d.stage == "simulation" { " with the logged inputs" } else { " before it" };
             writeln!(out, "DIFFERENT: {d}")?;
-            writeln!(out, "{decisions} decisions before it agree; {of_file}")?;
+            writeln!(out, "{decisions} decisions agree{when}; {of_file}")?;
         }
         (None, None) => {
             let told = match level {
@@ -112,7 +119,7 @@ fn tell(out: &mut dyn Write, found: &Verification) -> std::io::Result<()> {
                 VerifyLevel::Resimulate => ", and the inputs by driving it again",
                 _ => "",
             };
-            writeln!(out, "{told}{driven}; {of_file}")?;
+            writeln!(out, "{before}{told}{driven}; {of_file}")?;
         }
     }
     for breach in &found.breaches {

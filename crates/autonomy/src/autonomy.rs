@@ -378,9 +378,27 @@ impl Autonomy {
             let (id, index, known) = (goal.id, goal.directive, pool.len());
             return Err(wrong(format!("{id} follows directive {index} of {known}")));
         }
-        let places = manager.goals.values().map(|goal| goal.target);
-        for place in places.chain(manager.retired.iter().map(|place| place.target)) {
-            self.check_cell(place)?;
+        let operators = self.spec.domain.operators().len();
+        for goal in manager.goals.values() {
+            let (id, before) = (goal.id, goal.order.as_ref().and_then(|order| order.before));
+            self.check_cell(goal.target)?;
+            if let Some(index) = goal.operators.iter().find(|index| **index >= operators) {
+                return Err(wrong(format!("{id} is served by operator {index} of {operators}")));
+            }
+            if before.is_some_and(|(directive, _)| directive >= pool.len()) {
+                return Err(wrong(format!("{id} followed a directive that there is not")));
+            }
+        }
+        for command in &manager.commands {
+            let Wish::Pursue { directive, target, .. } = &command.wish else { continue };
+            self.check_cell(*target)?;
+            if *directive >= pool.len() {
+                let (name, known) = (&command.name, pool.len());
+                return Err(wrong(format!("`{name}` asks for directive {directive} of {known}")));
+            }
+        }
+        for place in &manager.retired {
+            self.check_cell(place.target)?;
         }
         let known = manager.agenda.iter().chain(&underway);
         if let Some(id) = known.into_iter().find(|id| !manager.goals.contains_key(id)) {

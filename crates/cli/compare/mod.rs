@@ -92,11 +92,12 @@ const MOST_MERGED: usize = 26;
 pub(crate) fn run(args: &CompareArgs) -> anyhow::Result<ExitCode> {
     let given = source::given(args)?;
     check_outputs(args, &given)?;
-    let stop = crate::run::interrupted()?;
     let kept = source::log_folder(args, &given)?;
     let worlds = match &given {
         Given::Mission(cases) => {
             let bar = bar(args, cases.len() as u64, "runs")?;
+            // Runs end in good order; nothing else here is worth waiting for.
+            let stop = crate::run::interrupted()?;
             source::perform(cases, kept.path(), &stop, &bar)?
         }
         Given::Logs(paths) => source::by_world(paths)?,

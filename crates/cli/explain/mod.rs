@@ -256,8 +256,14 @@ fn tell(
     )?;
     let Confirmation { energy_j, time_s, reliability, prize } = told.confirmation;
     let limits = &decided.limits;
+    // Levers of which the same is to be said share a line.
+    let mut lines: Vec<(String, String)> = Vec::new();
     let mut line = |name: &str, price: &Price, applied, in_words: &dyn Fn(f64) -> String| {
-        writeln!(out, "    {name:<11}{}", in_text(price, applied, in_words))
+        let text = in_text(price, applied, in_words);
+        match lines.last_mut() {
+            Some((names, before)) if *before == text => *names = format!("{names}, {name}"),
+            _ => lines.push((name.to_owned(), text)),
+        }
     };
     line("energy", &tag.energy_j, energy_j, &|x| {
         format!(
@@ -266,14 +272,14 @@ fn tell(
             energy(limits.energy_j + x),
             energy(limits.energy_j)
         )
-    })?;
+    });
     line("time", &tag.time_s, time_s, &|x| {
         format!("{x:.0} s more ({} instead of {})", time(limits.time_s + x), time(limits.time_s))
-    })?;
+    });
     line("floor", &tag.reliability, reliability, &|x| {
         let floor = limits.min_reliability.max(spec.policy.objective().floor(&spec.preferences));
         format!("{x:.4} lower ({:.4} instead of {floor:.4})", floor - x)
-    })?;
+    });
     line("interest", &tag.prize, prize, &|x| {
         let prize = format!("prize {x:.4} higher");
         match interest {
@@ -283,7 +289,11 @@ fn tell(
             Some(_) => format!("{prize}: more than an interest of 1 is worth here"),
             None => prize,
         }
-    })
+    });
+    for (names, text) in lines {
+        writeln!(out, "    {names:<11}{}{text}", if names.len() < 11 { "" } else { "  " })?;
+    }
+    Ok(())
 }
 
 fn in_text(price: &Price, applied: Option<Applied>, in_words: &dyn Fn(f64) -> String) -> String {
@@ -413,12 +423,12 @@ fn summary(out: &mut dyn Write, told: &[Told]) -> std::io::Result<()> {
         .flatten()
         .collect();
     let confirmed = applied.iter().filter(|a| a.confirms()).count();
-    writeln!(
-        out,
-        "\n{} goals left out; {} prices, {confirmed} of them confirmed by applying them",
-        told.len(),
-        applied.len()
-    )
+    let plural = |count: usize, what: &str| match count {
+        1 => format!("1 {what}"),
+        count => format!("{count} {what}s"),
+    };
+    let (goals, prices) = (plural(told.len(), "goal"), plural(applied.len(), "price"));
+    writeln!(out, "\n{goals} left out; {prices}, {confirmed} confirmed by applying")
 }
 
 fn as_json(told: &Told, spec: &Spec) -> Value {

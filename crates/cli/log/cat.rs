@@ -80,8 +80,8 @@ fn told(item: &Item<'_>) -> String {
 }
 
 fn as_text(at: MessageAt<'_>, item: &Item<'_>) -> String {
-    // A message is one line, whatever its text holds.
-    let told = told(item).replace('\n', " ");
+    // A message is one line, whatever its text holds, and gives a terminal no orders.
+    let told = told(item).replace(char::is_control, " ");
     let (seconds, rest) = (at.stamp_ns / 1_000_000_000, at.stamp_ns % 1_000_000_000);
     format!("{seconds:>6}.{rest:09} s  {:<16} {:>4}  {told}", at.topic, at.number)
 }

@@ -71,7 +71,7 @@ pub(crate) fn run(args: &InfoArgs) -> anyhow::Result<ExitCode> {
         match &contents.end {
             Some(end) => writeln!(
                 out,
-                "end         {}, after {} decisions, chain {:.16}",
+                "end         {}, after {} decisions, chain {}",
                 end.status, end.decisions, end.chain
             )?,
             None => writeln!(out, "end         none: the run did not end")?,

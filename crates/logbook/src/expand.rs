@@ -3,11 +3,12 @@
 use std::path::{Path, PathBuf};
 
 use wisdom_autonomy::{Autonomy, AutonomyError, Message, Observation, Outcome};
-use wisdom_mission::Mission;
 
+use crate::replay::same_version;
+use crate::store::part_of;
 use crate::{
-    Entry, LogError, LogReader, LogWriter, MapMode, Options, ReplayError, RunHeader, Setting,
-    SyncPolicy, first_difference, is_plane, mission_of, plane, record,
+    Entry, LogReader, LogWriter, MapMode, Options, ReplayError, RunHeader, Setting, SyncPolicy,
+    first_difference, is_plane, mission_of, plane, record,
 };
 
 /// Writes a log again with whole maps at every decision: those that a log of mode [`MapMode::Full`] holds, and further
@@ -28,35 +29,34 @@ pub fn expand(
     if let Some(name) = planes.iter().find(|name| !is_plane(&mission.spec, name)) {
         return Err(ReplayError::NoPlane { name: name.clone() });
     }
-    let made = write(log, mission, to, planes, progress);
+    same_version(log)?;
+    let rover = Autonomy::new(mission.spec.clone())?;
+    let options = Options { sync: SyncPolicy::End, maps: MapMode::Full };
+    let setting = Setting::from(&mission.spec);
+    let writer = LogWriter::create(to, &header(log), setting, options)?;
+    let made = write(log, rover, writer, planes, progress);
     // Half a log that nobody ran helps nobody, and would stand in the way.
-    if made.is_err() && !matches!(made, Err(ReplayError::Log(LogError::Exists { .. }))) {
-        let mut part = to.as_os_str().to_owned();
-        part.push(".part");
-        let _ = std::fs::remove_file(part);
+    if made.is_err() {
+        std::fs::remove_file(part_of(to)).ok();
     }
     made
 }
 
+/// The facts and files of the log, as a new one begins with them.
+fn header(log: &LogReader) -> RunHeader {
+    let files = log.attachments.iter();
+    let files = files.map(|a| (a.name.clone(), a.media_type.clone(), a.data.clone()));
+    RunHeader { metadata: log.metadata.clone(), attachments: files.collect() }
+}
+
 fn write(
     log: &LogReader,
-    mission: Mission,
-    to: &Path,
+    mut rover: Autonomy,
+    mut writer: LogWriter,
     planes: &[String],
     progress: &mut dyn FnMut(u32),
 ) -> Result<PathBuf, ReplayError> {
-    let header = RunHeader {
-        metadata: log.metadata.clone(),
-        attachments: log
-            .attachments
-            .iter()
-            .map(|a| (a.name.clone(), a.media_type.clone(), a.data.clone()))
-            .collect(),
-    };
-    let setting = Setting::from(&mission.spec);
-    let options = Options { sync: SyncPolicy::End, maps: MapMode::Full };
-    let mut rover = Autonomy::new(mission.spec)?;
-    let mut writer = LogWriter::create(to, &header, setting.clone(), options)?;
+    let setting = Setting::from(rover.spec());
     for entry in &log.entries {
         match entry {
             Entry::Observation(logged) => {

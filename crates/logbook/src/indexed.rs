@@ -91,7 +91,8 @@ impl IndexedLog {
     ///
     /// ```no_run
     /// let mut log = wisdom_logbook::IndexedLog::open("logs/run.mcap".as_ref())?;
-    /// println!("{} chose {:?}", log.metadata["mission"], log.decision(7)?.choice);
+    /// let decision = log.decision(7)?;
+    /// println!("{} chose {:?}", log.metadata["mission"], decision.choice);
     /// # Ok::<(), wisdom_logbook::LogError>(())
     /// ```
     pub fn open(path: &Path) -> Result<Self, LogError> {

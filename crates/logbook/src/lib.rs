@@ -31,7 +31,7 @@ pub use redecide::{
 pub use reel::Reel;
 pub use replay::{Past, ReplayError, begin, causal_dot, derive_at, header, mission_of};
 pub use setting::{DecisionMaps, Drape, Setting};
-pub use store::{PartFile, Store, SyncPolicy};
+pub use store::{PartFile, Store, SyncPolicy, part_of};
 pub use verify::{
     Breach, INVARIANTS, Verification, VerifyLevel, is_plane, plane, verify, verify_log,
 };

@@ -18,7 +18,7 @@ use std::path::{Path, PathBuf};
 use foxglove::messages::Grid;
 use mcap::records::Record;
 use prost::Message as _;
-use wisdom_grid::{GridSpec, Raster, Window};
+use wisdom_grid::{GridSpec, MAX_SIDE, Raster, Window};
 
 pub use self::check::{Check, Finding, Verdict, check, check_bytes};
 pub use self::sketch::sketch;
@@ -299,10 +299,21 @@ impl LogReader {
         let Some(run) = self.run_grid() else { return Ok(plane) };
         // The map may cover a part of the run's grid; where it begins says how many cells lie before it.
         let corner = grid.pose.and_then(|pose| pose.position);
-        let cells = |metres: f64| (metres / run.spacing_m()).round() as usize;
-        let (west, south) = corner.map_or((0, 0), |at| (cells(at.x), cells(at.y)));
+        let off = |at: &dyn std::fmt::Debug| {
+            let place = ("pose.position", format!("{at:?}"), "on the corners of the run's cells");
+            malformed(place)
+        };
+        let cells = |metres: f64| {
+            let cells = (metres / run.spacing_m()).round();
+            let on_corner = (cells * run.spacing_m() - metres).abs() <= 1e-6 * run.spacing_m();
+            (on_corner && (0.0..=MAX_SIDE as f64).contains(&cells)).then_some(cells as usize)
+        };
+        let (west, south) = match &corner {
+            None => (0, 0),
+            Some(at) => cells(at.x).zip(cells(at.y)).ok_or_else(|| off(at))?,
+        };
         let (rows, cols) = (plane.spec().rows(), plane.spec().cols());
-        let row = run.rows().saturating_sub(south.saturating_add(rows));
+        let row = run.rows().checked_sub(south + rows).ok_or_else(|| off(&corner))?;
         let spec = run.part(Window { row, col: west, rows, cols }).map_err(|error| {
             malformed(("pose.position", error.to_string(), "a part of the run's grid"))
         })?;

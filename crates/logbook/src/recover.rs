@@ -15,15 +15,13 @@ use mcap::write::NoSeek;
 use mcap::{Attachment, Compression, McapError, WriteOptions};
 
 use crate::read::stream::Story;
-use crate::read::walk::{Found, walk};
+use crate::read::walk::{Found, PRIVATE, walk};
 use crate::store::Guarded;
 use crate::write::END;
 use crate::{LogError, PartFile, Status, Store, SyncPolicy};
 
 /// Name of the metadata record in which a recovered log says what was lost.
 pub const RECOVERED: &str = "wisdom.recovered";
-/// Records from here on belong to applications; those below are the container's.
-const PRIVATE: u8 = 0x80;
 
 /// What a recovery saved, and what it did not.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -109,7 +107,8 @@ pub fn recover_into<S: Store>(
         decisions: copy.story.decisions(),
         messages: copy.messages,
         attachments: copy.attachments,
-        lossy: left_out > 0 || walked.doubtful || end_lost,
+        // A file of which nothing is left has lost everything.
+        lossy: left_out > 0 || walked.doubtful || end_lost || walked.whole == 0,
     };
     let closed = copy.finish(&recovery)?;
     Ok((recovery, closed))

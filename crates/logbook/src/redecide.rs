@@ -13,6 +13,7 @@ use wisdom_mission::{Mission, Override};
 
 use crate::compare::Difference;
 use crate::record::{self, Verdict};
+use crate::replay::{files_of, same_version};
 use crate::{Entry, LogReader, ReplayError, Setting, first_difference, mission_of};
 
 /// A logged decision and the one that would have been taken in its place.
@@ -98,7 +99,7 @@ pub struct Redecided {
 /// # Errors
 /// [`ReplayError::Mission`] if it is not there or does not load so.
 pub fn mission_with(log: &LogReader, overrides: &[Override]) -> Result<Mission, ReplayError> {
-    Ok(Mission::from_files_with(&crate::replay::mission_files(log), overrides)?)
+    Ok(Mission::from_files_with(&files_of(log)?, overrides)?)
 }
 
 /// Takes every logged decision again under another mission, each from its logged state; `each` is given every one and
@@ -106,7 +107,8 @@ pub fn mission_with(log: &LogReader, overrides: &[Override]) -> Result<Mission, 
 ///
 /// # Errors
 /// [`ReplayError`] if the log's own mission does not load, a record cannot be read, or the two missions do not fit: other
-/// ground, or a directive, operator or fact that the log speaks of and the other mission does not have.
+/// ground, or a directive, operator or fact that the log speaks of and the other mission does not have; or if another
+/// version of the core decided the log.
 ///
 /// # Panics
 /// Never: a core that has decided has maps.
@@ -115,6 +117,7 @@ pub fn redecide(
     under: &Mission,
     each: &mut dyn FnMut(Retaken) -> bool,
 ) -> Result<Redecided, ReplayError> {
+    same_version(log)?;
     let own = mission_of(log)?.spec;
     let spec = &under.spec;
     if spec.grid != own.grid {
@@ -228,12 +231,10 @@ impl<'a> Words<'a> {
             }
         }
         for place in retired {
-            let bits =
-                self.experts.iter().enumerate().filter(|(bit, _)| place.heard >> bit & 1 == 1);
-            place.heard = bits.fold(0, |heard, (_, there)| match there {
-                Some(bit) => heard | 1 << bit,
-                None => heard,
-            });
+            let bit = |index: usize| 1u64.checked_shl(index as u32).unwrap_or(0);
+            let heard = self.experts.iter().enumerate();
+            let heard = heard.filter(|(index, _)| place.heard & bit(*index) != 0);
+            place.heard = heard.fold(0, |all, (_, there)| all | there.map_or(0, bit));
         }
         for command in commands {
             if let Wish::Pursue { directive: followed, .. } = &mut command.wish {

@@ -11,7 +11,8 @@ use wisdom_mission::{FaultEvent, Mission, MissionError, RecordError, Recorder};
 use crate::compare::{Difference, first_difference};
 use crate::record::{self, hex};
 use crate::{
-    DecisionMaps, Drape, Entry, LogError, LogReader, LogWriter, Options, RunHeader, Setting, Store,
+    DecisionMaps, Drape, Entry, LogError, LogReader, LogWriter, Options, RunHeader, Setting,
+    Status, Store,
 };
 
 /// Where a mission's files lie among a log's attachments.
@@ -33,6 +34,22 @@ pub enum ReplayError {
     /// What the logged inputs lead to is not what was logged.
     #[error("the log does not follow from its own inputs ({0}); `wisdom verify` says more")]
     Differs(Box<Difference>),
+    /// The decisions of the log mean something else than those of this build: it cannot tell.
+    #[error(
+        "not comparable: the log's decisions mean version {logged}, those of this build {here}"
+    )]
+    OtherVersion {
+        /// What the log's decisions mean.
+        logged: u32,
+        /// What this build's mean.
+        here: u32,
+    },
+    /// A log that ends before the files it should carry.
+    #[error("the log holds no mission: it is {status}")]
+    NoMission {
+        /// How whole the file is.
+        status: Status,
+    },
     /// There is no plane of that name.
     #[error(
         "no plane is called `{name}`; there are interest, ignorance, paradox, conflict, contradiction, prize, hazard, the \
@@ -109,10 +126,13 @@ impl<S: Store> LogWriter<S> {
         let elevation = ground.values();
         // Later decisions change little of it, and it can be derived again.
         let first = (decision.number == 0).then_some(("elevation", elevation));
-        let more = more.iter().copied().filter(|(name, _)| {
-            *name != "interest" && first.is_none_or(|(first, _)| first != *name)
-        });
-        let others: Vec<(&str, &Raster<f32>)> = first.into_iter().chain(more).collect();
+        let mut others: Vec<(&str, &Raster<f32>)> = first.into_iter().collect();
+        for (name, plane) in more {
+            // Each once, whatever was asked for.
+            if *name != "interest" && others.iter().all(|(known, _)| known != name) {
+                others.push((*name, *plane));
+            }
+        }
         let drape = Drape { elevation, uncertainty: ground.uncertainty() };
         let interest = &maps.interest.interest;
         let planes = DecisionMaps { interest, others: &others, drape: Some(drape) };
@@ -159,7 +179,28 @@ pub(crate) fn fault(event: &FaultEvent) -> record::Fault {
 /// # Errors
 /// [`ReplayError::Mission`] if it is not there or does not load.
 pub fn mission_of(log: &LogReader) -> Result<Mission, ReplayError> {
-    Ok(Mission::from_files(&mission_files(log))?)
+    Ok(Mission::from_files(&files_of(log)?)?)
+}
+
+/// The mission's files, which a log that was cut early may not hold.
+pub(crate) fn files_of(log: &LogReader) -> Result<BTreeMap<String, Vec<u8>>, ReplayError> {
+    let files = mission_files(log);
+    if files.is_empty() && log.status != Status::Complete {
+        return Err(ReplayError::NoMission { status: log.status.clone() });
+    }
+    Ok(files)
+}
+
+/// Whether this build's decisions mean what the log's mean.
+///
+/// # Errors
+/// [`ReplayError::OtherVersion`] if not.
+pub(crate) fn same_version(log: &LogReader) -> Result<(), ReplayError> {
+    let here = record::DECISION_VERSION;
+    match log.decisions().map(|decision| decision.decision_version).find(|logged| *logged != here) {
+        Some(logged) => Err(ReplayError::OtherVersion { logged, here }),
+        None => Ok(()),
+    }
 }
 
 /// The mission's files among a log's attachments, by name.
@@ -199,6 +240,7 @@ impl Past {
 /// [`ReplayError`] if the log's mission does not load, the core refuses a logged input, or a decision differs
 /// from its record.
 pub fn derive_at(log: &LogReader, number: u32) -> Result<Option<Past>, ReplayError> {
+    same_version(log)?;
     let mission = mission_of(log)?;
     let setting = Setting::from(&mission.spec);
     let mut rover = Autonomy::new(mission.spec)?;

@@ -76,6 +76,14 @@ pub struct PartFile {
     begun: bool,
 }
 
+/// What a file is called while it is written.
+#[must_use]
+pub fn part_of(path: &Path) -> PathBuf {
+    let mut part = path.as_os_str().to_owned();
+    part.push(".part");
+    PathBuf::from(part)
+}
+
 impl PartFile {
     /// Begins the file that is to become `path`.
     ///
@@ -86,9 +94,7 @@ impl PartFile {
         if path.exists() {
             return Err(LogError::Exists { path: path.to_owned() });
         }
-        let mut part = path.as_os_str().to_owned();
-        part.push(".part");
-        let part = PathBuf::from(part);
+        let part = part_of(path);
         let made = OpenOptions::new().write(true).create_new(true).open(&part);
         let file = made.map_err(|source| match source.kind() {
             io::ErrorKind::AlreadyExists => LogError::Exists { path: part.clone() },

@@ -83,21 +83,26 @@ fn write(store: PartFile, logs: &[&Path]) -> Result<Merged, LogError> {
         .create(NoSeek::new(BufWriter::new(Guarded::new(store))))
         .map_err(failed)?;
     let mut runs = Vec::new();
+    let mut told = BTreeMap::new();
     for (letter, path) in LETTERS.chars().zip(logs) {
         runs.push(Run::open(letter, path)?);
+        let file = path.file_name().unwrap_or(path.as_os_str());
+        told.insert(letter.to_string(), file.to_string_lossy().into_owned());
     }
+    out.write_metadata(&Metadata { name: MERGED.to_owned(), metadata: told }).map_err(failed)?;
     // What is true of the whole of each run comes first.
     for run in &mut runs {
         run.advance(&mut out, &name)?;
     }
     let begins_ns = runs.iter().filter_map(Run::time_ns).min().unwrap_or(0);
-    place_maps(&mut out, &runs, begins_ns).map_err(failed)?;
+    let mut clock = Clock { next_ns: begins_ns };
+    place_maps(&mut out, &runs, &mut clock).map_err(failed)?;
     let due = |runs: &[Run]| {
         let times = runs.iter().enumerate().filter_map(|(i, run)| Some((run.time_ns()?, i)));
         times.min().map(|(_, i)| i)
     };
     while let Some(next) = due(&runs) {
-        runs[next].write(&mut out, &name)?;
+        runs[next].write(&mut out, &mut clock, &name)?;
         runs[next].advance(&mut out, &name)?;
     }
     out.finish().map_err(failed)?;
@@ -108,15 +113,32 @@ fn write(store: PartFile, logs: &[&Path]) -> Result<Merged, LogError> {
     Ok(Merged { path, messages: runs.iter().map(|run| run.written).collect() })
 }
 
+/// Name of the metadata record that opens a merged log: the file of each run, by its letter.
+pub(crate) const MERGED: &str = "wisdom.merged";
+
 type Out = mcap::Writer<NoSeek<BufWriter<Guarded<PartFile>>>>;
 
+/// Gives every message a time of its own: runs share theirs, and players do not keep the order of equal ones.
+struct Clock {
+    next_ns: u64,
+}
+
+impl Clock {
+    fn at(&mut self, stamp_ns: u64) -> u64 {
+        let stamp_ns = stamp_ns.max(self.next_ns);
+        self.next_ns = stamp_ns + 1;
+        stamp_ns
+    }
+}
+
 /// Transforms that put the maps beside each other, from west to east.
-fn place_maps(out: &mut Out, runs: &[Run], stamp_ns: u64) -> Result<(), McapError> {
+fn place_maps(out: &mut Out, runs: &[Run], clock: &mut Clock) -> Result<(), McapError> {
     let schema = FrameTransform::get_schema().expect("every well-known message has a schema");
     let schema = out.add_schema(&schema.name, "protobuf", &schema.data)?;
     let channel_id = out.add_channel(schema, topic::TRANSFORM, "protobuf", &BTreeMap::new())?;
     let mut west_m = 0.0;
     for (sequence, run) in (0..).zip(runs) {
+        let stamp_ns = clock.at(0);
         let transform = FrameTransform {
             timestamp: Some(timestamp(stamp_ns)),
             parent_frame_id: WORLD.to_owned(),
@@ -265,8 +287,10 @@ impl Run {
     }
 
     /// Writes the message that is due.
-    fn write(&mut self, out: &mut Out, name: &Path) -> Result<(), LogError> {
-        let Some((header, data)) = self.due.take() else { return Ok(()) };
+    fn write(&mut self, out: &mut Out, clock: &mut Clock, name: &Path) -> Result<(), LogError> {
+        let Some((mut header, data)) = self.due.take() else { return Ok(()) };
+        header.log_time = clock.at(header.log_time);
+        header.publish_time = header.log_time;
         let malformed = |found: String| LogError::Malformed {
             record: format!("message {} in {}", header.sequence, self.path.display()),
             field: "channel or data".to_owned(),

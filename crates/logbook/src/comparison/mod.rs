@@ -23,6 +23,7 @@ pub use account::{Account, Reached, final_map, observed};
 pub use align::{Alignment, Edit};
 pub use divergence::{Chosen, Divergence, divergence, partings};
 pub use inputs::{FactDifference, FileDifference, Inputs, KeyDifference, ToldDifference, inputs};
+pub(crate) use merge::MERGED;
 pub use merge::{Merged, merge};
 pub use regret::{Measure, RegretMatrix, worth_on};
 pub use states::{AtState, AtStates, at_states};

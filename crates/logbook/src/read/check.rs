@@ -10,7 +10,7 @@ use mcap::records::{AttachmentIndex, ChunkIndex, Footer, MetadataIndex, Record, 
 
 use super::Status;
 use super::stream::{Names, Story};
-use super::walk::{Found, walk};
+use super::walk::{Fault, Found, walk};
 use crate::LogError;
 
 /// Whether something holds.
@@ -86,15 +86,24 @@ pub fn check_bytes(name: &Path, bytes: &mut (impl Read + Seek)) -> Result<Check,
     let walked = walked.map_err(|source| LogError::Io { path: name.to_owned(), source })?;
     let mut status =
         story.status(&walked).ok_or_else(|| LogError::NotALog { path: name.to_owned() })?;
+    // A fault is told where it belongs: what ends a walk may be any of three checksums.
+    let in_summary = walked.sealed && seen.footer.is_none();
     let container = match (&walked.fault, &out_of_story) {
-        (Some(fault), None) => Verdict::Fails(fault.to_string()),
+        (Some(Fault::Ends(detail)), None) => Verdict::Unchecked(detail.clone()),
+        (Some(fault), None) if !(walked.doubtful || in_summary) => {
+            Verdict::Fails(fault.to_string())
+        }
         _ => Verdict::Holds,
+    };
+    let fault = match &walked.fault {
+        Some(Fault::Wrong(detail)) => Some(detail.as_str()),
+        _ => None,
     };
     let finding = |what, verdict| Finding { what, verdict };
     let findings = vec![
         finding("frames, and checksums of chunks and attachments", container),
-        finding("checksum of all data", seen.data_sum()),
-        finding("checksum of the summary", seen.summary_sum()),
+        finding("checksum of all data", seen.data_sum(fault.filter(|_| walked.doubtful))),
+        finding("checksum of the summary", seen.summary_sum(fault.filter(|_| in_summary))),
         finding("message indexes point at the messages", seen.indexes()),
         finding("the summary says what the data hold", seen.summary(&story.names)),
         finding(
@@ -114,9 +123,7 @@ pub fn check_bytes(name: &Path, bytes: &mut (impl Read + Seek)) -> Result<Check,
         ),
         finding("time stamps rise", seen.stamps.map_or(Verdict::Holds, Verdict::Fails)),
     ];
-    // A file that only ends too early is not corrupt for it.
-    let skipped = usize::from(matches!(status, Status::Truncated { .. }));
-    let first = findings.iter().skip(skipped).find_map(|finding| match &finding.verdict {
+    let first = findings.iter().find_map(|finding| match &finding.verdict {
         Verdict::Fails(detail) => Some(format!("{}: {detail}", finding.what)),
         _ => None,
     });
@@ -332,17 +339,18 @@ impl Seen {
         }
     }
 
-    fn data_sum(&self) -> Verdict {
+    fn data_sum(&self, fault: Option<&str>) -> Verdict {
         match self.data_end {
+            _ if fault.is_some() => Verdict::Fails(fault.unwrap_or_default().to_owned()),
             None => Verdict::Unchecked("the end of the data was not reached".to_owned()),
             Some(0) => Verdict::Unchecked("the file has none".to_owned()),
-            // Where it does not agree the walk ends before this record is seen.
             Some(_) => Verdict::Holds,
         }
     }
 
-    fn summary_sum(&self) -> Verdict {
+    fn summary_sum(&self, fault: Option<&str>) -> Verdict {
         match self.footer {
+            _ if fault.is_some() => Verdict::Fails(fault.unwrap_or_default().to_owned()),
             None => Verdict::Unchecked("the footer was not reached".to_owned()),
             Some(Footer { summary_crc: 0, .. }) => {
                 Verdict::Unchecked("the file has none".to_owned())

@@ -1,6 +1,6 @@
 //! A log item by item: what each record means, and whether it follows from those before it.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs::File;
 use std::io::{self, BufReader, Read, Seek};
 use std::ops::ControlFlow;
@@ -8,12 +8,14 @@ use std::path::Path;
 
 use mcap::records::{MessageHeader, Record};
 use prost::Message as _;
+use prost::encoding::DecodeContext;
 
 use super::walk::{Fault, Found, Walked, walk};
-use super::{Entry, RunEnd, Status};
+use super::{Entry, MAPS, RunEnd, Status};
+use crate::comparison::MERGED;
 use crate::record::{self, CHAIN_START, hex};
 use crate::recover::RECOVERED;
-use crate::write::END;
+use crate::write::{END, RUN};
 use crate::{LogError, topic};
 
 /// Which message an item is.
@@ -177,9 +179,36 @@ impl Names {
     }
 }
 
+/// The most parts an observation may have: windows, and what little else there is.
+const MOST_PARTS: usize = 1 << 16;
+/// The most bytes of any other record. Decisions of thousands of goals are a hundredth of it.
+const MOST_BYTES: usize = 32 << 20;
+
+/// How many fields an encoded message has at its top, as far as it can be read.
+fn parts(mut data: &[u8]) -> usize {
+    let mut count = 0;
+    while count <= MOST_PARTS
+        && let Ok((tag, kind)) = prost::encoding::decode_key(&mut data)
+        && prost::encoding::skip_field(kind, tag, &mut data, DecodeContext::default()).is_ok()
+    {
+        count += 1;
+    }
+    count
+}
+
 /// What a message is if it is a record of ours.
 pub(crate) fn entry(at: MessageAt<'_>, data: &[u8]) -> Result<Option<Entry>, String> {
     let failed = |error: prost::DecodeError| format!("{} {}: {error}", at.topic, at.number);
+    // Decoded, a message of nothing but empty parts takes a hundred times its bytes.
+    let bytes = data.len();
+    let too_much = match at.topic {
+        topic::OBSERVATION => parts(data) > MOST_PARTS,
+        topic::OUTCOME | topic::MESSAGE | topic::FAULT | topic::DECISION => bytes > MOST_BYTES,
+        _ => false,
+    };
+    if too_much {
+        return Err(format!("{} {} of {bytes} bytes: no record is like that", at.topic, at.number));
+    }
     Ok(Some(match at.topic {
         topic::OBSERVATION => {
             Entry::Observation(record::Observation::decode(data).map_err(failed)?)
@@ -201,6 +230,12 @@ pub(crate) struct Story {
     pub(crate) end: Option<RunEnd>,
     /// What an earlier recovery said.
     pub(crate) recovered: Option<BTreeMap<String, String>>,
+    /// Whether it is several runs in one file, for viewers.
+    merged: bool,
+    /// Whether the run's facts were told.
+    begun: bool,
+    /// The maps of the decision that comes next.
+    planes: BTreeSet<String>,
     next: Next,
 }
 
@@ -230,7 +265,16 @@ impl Story {
         &'a mut self,
         found: &'a Found<'_>,
     ) -> Result<Option<Item<'a>>, String> {
+        let ended = self.end.is_some();
         match &found.record {
+            Record::Chunk { .. }
+            | Record::Message { .. }
+            | Record::Attachment { .. }
+            | Record::Metadata(_)
+                if ended =>
+            {
+                Err("something follows the end of the run".to_owned())
+            }
             record @ (Record::Schema { .. } | Record::Channel(_)) => {
                 self.names.learn(record)?;
                 Ok(None)
@@ -238,13 +282,28 @@ impl Story {
             Record::Message { header, data } => {
                 let at = self.names.at(header, data.len(), found.start)?;
                 let Some(entry) = entry(at, data)? else {
+                    if at.topic.starts_with(MAPS) {
+                        let (topic, number, due) = (at.topic, at.number, self.next.decisions);
+                        if number != due {
+                            return Err(format!("{topic} of decision {number} before {due}"));
+                        }
+                        if !self.planes.insert(topic.to_owned()) {
+                            return Err(format!("{topic} of decision {number} is there twice"));
+                        }
+                    }
                     return Ok(Some(Item::View { at, data }));
                 };
                 self.next.take(&entry)?;
+                if matches!(entry, Entry::Decision(_)) {
+                    self.planes.clear();
+                }
                 Ok(Some(Item::Entry { at, entry }))
             }
             Record::Metadata(metadata) => {
                 match metadata.name.as_str() {
+                    MERGED => self.merged = true,
+                    RUN if self.begun => return Err(format!("{RUN} is there twice")),
+                    RUN => self.begun = true,
                     END => self.end = Some(run_end(metadata.metadata.clone())?),
                     RECOVERED => self.recovered = Some(metadata.metadata.clone()),
                     _ => {}
@@ -291,6 +350,9 @@ impl Story {
     }
 
     fn without_end(&self) -> String {
+        if self.merged {
+            return "several runs merged for viewers; ask the log of each run".to_owned();
+        }
         let missing = "the run did not end: there is no wisdom.end";
         match &self.recovered {
             None => missing.to_owned(),

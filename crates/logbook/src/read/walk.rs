@@ -4,6 +4,7 @@
 //! its first message, an attachment's with it, those of the data and summary sections when they end. No more
 //! than one record, packed and unpacked, is in memory.
 
+use std::collections::BTreeSet;
 use std::io::{self, Read, Seek, SeekFrom};
 use std::ops::ControlFlow;
 
@@ -14,6 +15,10 @@ use mcap::{MAGIC, parse_record};
 
 /// The largest record or chunk a reader takes into memory, bytes.
 const RECORD_LIMIT: u64 = 1 << 30;
+/// The profile of our containers.
+const PROFILE: &str = "wisdom";
+/// Records from here on belong to applications; those below are the container's.
+pub(crate) const PRIVATE: u8 = 0x80;
 /// Bytes of a record's opcode and length.
 pub(crate) const PREFIX: u64 = 9;
 /// Bytes of a chunk's header without the name of its compression.
@@ -128,6 +133,67 @@ pub(crate) fn walk(bytes: &mut (impl Read + Seek), each: &mut Each<'_>) -> io::R
     Ok(Walked { fault, stopped, byte, sound, sealed, doubtful, whole })
 }
 
+/// What may follow what among the data. Of a file without an end, which has no checksum over all data, this is all that
+/// tells of a record whose kind is not what was written.
+#[derive(Default)]
+struct Order {
+    begun: bool,
+    /// Whether the container was written by us, who write no records of our own kinds.
+    ours: bool,
+    /// Whether the record before was a chunk or an index of one.
+    after_chunk: bool,
+    /// Channels of the chunk's messages that no index has named yet.
+    awaited: BTreeSet<u16>,
+}
+
+impl Order {
+    fn chunk(&mut self) -> Result<(), Stop> {
+        if !self.begun {
+            return Err(wrong("a chunk before the header"));
+        }
+        self.after_chunk = true;
+        self.awaited.clear();
+        Ok(())
+    }
+
+    fn in_chunk(&mut self, found: &Found<'_>) {
+        if let Record::Message { header, .. } = &found.record {
+            self.awaited.insert(header.channel_id);
+        }
+    }
+
+    fn outside(&mut self, opcode: u8, record: &Record<'_>) -> Result<(), String> {
+        let stray = || Err(format!("a record of kind {opcode:#04x} among the data"));
+        match record {
+            Record::Header(header) if !self.begun => {
+                self.begun = true;
+                self.ours = header.profile == PROFILE;
+            }
+            _ if !self.begun => return Err("the first record is no header".to_owned()),
+            Record::MessageIndex(index) => {
+                let named = index.records.is_empty() || self.awaited.remove(&index.channel_id);
+                if !(self.after_chunk && named) {
+                    let channel = index.channel_id;
+                    return Err(format!("an index of channel {channel} without its messages"));
+                }
+                return Ok(());
+            }
+            Record::Schema { .. }
+            | Record::Channel(_)
+            | Record::Message { .. }
+            | Record::Attachment { .. }
+            | Record::Metadata(_) => {}
+            Record::Unknown { opcode, .. } if *opcode >= PRIVATE && !self.ours => {}
+            _ => return stray(),
+        }
+        if !self.awaited.is_empty() {
+            return Err("a chunk with messages that no index names".to_owned());
+        }
+        self.after_chunk = false;
+        Ok(())
+    }
+}
+
 /// Records as they follow each other in a file.
 pub(crate) struct Frames<R> {
     bytes: R,
@@ -172,6 +238,7 @@ impl<R: Read> Frames<R> {
         }
         let mut sum = Hasher::new();
         sum.update(MAGIC);
+        let mut order = Order::default();
         loop {
             self.advance()?;
             if self.opcode() == op::DATA_END {
@@ -179,10 +246,15 @@ impl<R: Read> Frames<R> {
             }
             sum.update(&self.prefix);
             sum.update(&self.body);
-            match self.opcode() {
-                op::CHUNK => self.chunk(each)?,
-                op::FOOTER => return Err(wrong("a footer before the end of the data")),
-                _ => self.give(each)?,
+            if self.opcode() == op::CHUNK {
+                order.chunk()?;
+                self.chunk(&mut |found| {
+                    order.in_chunk(&found);
+                    each(found)
+                })?;
+            } else {
+                order.outside(self.opcode(), &self.record()?).map_err(wrong)?;
+                self.give(each)?;
             }
             self.sound = self.at;
         }

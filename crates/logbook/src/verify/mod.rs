@@ -13,7 +13,9 @@ use wisdom_mission::Mission;
 
 use crate::compare::{Difference, MapDifference, first_difference};
 use crate::record::{self, CHAIN_START, DECISION_VERSION, hex};
-use crate::{Entry, LogReader, Reel, ReplayError, Setting, Status, mission_of, topic};
+use crate::{
+    Entry, LogError, LogReader, Reel, ReplayError, Setting, Status, check, mission_of, topic,
+};
 
 use invariants::Watcher;
 pub use invariants::{Breach, INVARIANTS};
@@ -105,7 +107,12 @@ pub fn verify(
     progress: &mut dyn FnMut(u32),
 ) -> Result<Verification, ReplayError> {
     let log = LogReader::open(path)?;
-    verify_log(&log, level, progress)
+    let mut found = verify_log(&log, level, progress)?;
+    if found.status == Status::Complete {
+        // What only the whole file can tell: checksums that are missing, indexes that say something else.
+        found.status = check(path)?.status;
+    }
+    Ok(found)
 }
 
 /// [`verify`] for a log that was read already.
@@ -137,7 +144,9 @@ pub fn verify_log(
     found.decisions = 0;
     let mission = mission_of(log)?;
     identify(log, &mission, &mut found);
-    if level == VerifyLevel::Identity || !found.holds() {
+    // A damaged file is not what was written; what comes before the damage may be all the same.
+    let cannot_tell = found.difference.is_some() || found.not_comparable.is_some();
+    if level == VerifyLevel::Identity || cannot_tell {
         return Ok(found);
     }
     Derivation::new(log, &mission)?.run(log, &mut found, progress)?;
@@ -193,6 +202,15 @@ fn chain(log: &LogReader) -> String {
     }
 }
 
+/// Why the core could not be fed with what was logged.
+#[derive(Debug, thiserror::Error)]
+enum Refused {
+    #[error(transparent)]
+    Record(#[from] LogError),
+    #[error(transparent)]
+    Core(#[from] AutonomyError),
+}
+
 /// A core that is fed what a log holds.
 struct Derivation<'a> {
     rover: Autonomy,
@@ -220,27 +238,34 @@ impl<'a> Derivation<'a> {
         for entry in &log.entries {
             self.watcher.entry(entry);
             let number = found.decisions;
+            let rover = &mut self.rover;
             let taken_in = match entry {
                 Entry::Observation(logged) => {
-                    let observation = Observation::try_from(logged)?;
-                    let what = format!("observation {}", observation.number);
-                    self.rover.observe(&observation).map_err(|error| (error, "frame", what))
+                    let what = format!("observation {}", logged.number);
+                    let told = Observation::try_from(logged).map_err(Refused::from);
+                    told.and_then(|told| Ok(rover.observe(&told)?)).map_err(|e| (e, "frame", what))
                 }
                 Entry::Message(logged) => {
-                    let message = Message::try_from(logged)?;
-                    let what = format!("message {}", message.number);
-                    self.rover.hear(&message).map_err(|error| (error, "state", what))
+                    let what = format!("message {}", logged.number);
+                    let told = Message::try_from(logged).map_err(Refused::from);
+                    told.and_then(|told| Ok(rover.hear(&told)?)).map_err(|e| (e, "state", what))
                 }
                 Entry::Fault(_) => Ok(()),
                 Entry::Outcome(logged) => {
-                    let outcome = Outcome::try_from(logged)?;
-                    let what = format!("outcome of decision {}", outcome.decision);
-                    self.rover.report(&outcome).map_err(|error| (error, "state", what))
+                    let what = format!("outcome of decision {}", logged.decision);
+                    let told = Outcome::try_from(logged).map_err(Refused::from);
+                    told.and_then(|told| Ok(rover.report(&told)?)).map_err(|e| (e, "state", what))
                 }
-                Entry::Decision(logged) => match self.rover.decide() {
-                    Err(error) => Err((error, "choice", "decision".to_owned())),
+                Entry::Decision(logged) => match rover.decide() {
+                    Err(error) => Err((error.into(), "choice", "decision".to_owned())),
                     Ok(decision) => {
-                        found.difference = self.compare(log, logged, &decision, found)?;
+                        found.difference = match self.compare(log, logged, &decision, found) {
+                            Err(ReplayError::Log(malformed @ LogError::Malformed { .. })) => {
+                                let (what, why) = ("map", malformed.to_string());
+                                Some(Difference::told(number, "fusion", what, why, "a map"))
+                            }
+                            other => other?,
+                        };
                         if found.difference.is_none() {
                             found.decisions += 1;
                             progress(found.decisions);
@@ -250,8 +275,7 @@ impl<'a> Derivation<'a> {
                 },
             };
             if let Err((error, stage, what)) = taken_in {
-                let refused: AutonomyError = error;
-                let refused = format!("refused: {refused}");
+                let refused = format!("refused: {error}");
                 let logged = "logged as an input";
                 found.difference = Some(Difference::told(number, stage, what, logged, refused));
             }
@@ -276,6 +300,9 @@ impl<'a> Derivation<'a> {
         let mut maps = Vec::new();
         if let Some(derived) = self.rover.maps() {
             self.watcher.maps(number, decision, derived);
+            if let Some(difference) = promised(log, number) {
+                return Ok(Some(difference));
+            }
             let of_this = log.maps().filter(|(of, _)| *of == number).map(|(_, topic)| topic);
             let others: Vec<&str> = of_this.filter(|topic| *topic != topic::INTEREST).collect();
             let interest = self.reel.turn_to(log, number)?;
@@ -309,6 +336,25 @@ impl<'a> Derivation<'a> {
             (None, None) => None,
         })
     }
+}
+
+/// Whether the log holds the interest map of a decision as its own facts say: each in a full log (as all were before
+/// logs said so), the first in a log of patches, none in one of digests.
+fn promised(log: &LogReader, number: u32) -> Option<Difference> {
+    let mode = log.metadata.get(crate::write::MAPS).map_or("full", String::as_str);
+    let there = log.maps().any(|at| at == (number, topic::INTEREST));
+    let due = match mode {
+        "full" => true,
+        "patch" => number == 0,
+        _ => false,
+    };
+    let (left, right) = match (due, there) {
+        (true, false) => ("absent", "there"),
+        (false, true) if mode == "digest" => ("there", "absent"),
+        _ => return None,
+    };
+    let right = format!("{right}, as the log's maps are {mode}");
+    Some(Difference::told(number, "fusion", topic::INTEREST, left, right))
 }
 
 /// The place of a number among all that an f32 can be.

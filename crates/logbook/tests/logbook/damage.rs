@@ -482,3 +482,67 @@ fn the_operating_systems_full_device_is_an_error_too() {
     assert_eq!(path, PathBuf::from("/dev/full"));
     assert_eq!(source.kind(), io::ErrorKind::StorageFull);
 }
+
+/// What is on disk when a run is killed: no end, no footer, no checksum over all data.
+fn killed() -> Vec<u8> {
+    let disk = SmallDisk { room: usize::MAX, kept: std::rc::Rc::default() };
+    let (header, setting) = (story::header(), story::setting());
+    let mut writer = LogWriter::over(disk.clone(), &header, setting, Options::default()).unwrap();
+    story::tell(&mut writer).unwrap();
+    std::mem::forget(writer);
+    disk.kept.take()
+}
+
+#[test]
+fn in_a_file_without_an_end_a_record_of_another_kind_is_no_less_reported() {
+    let bytes = killed();
+    let whole = story::read(&bytes);
+    assert!(matches!(whole.status, Status::Truncated { .. }));
+    assert_eq!(whole.decisions().count(), story::DECISIONS as usize);
+    let mut at = 8;
+    let mut kinds = std::collections::BTreeSet::new();
+    while at < bytes.len() {
+        kinds.insert(bytes[at]);
+        for bit in 0..8 {
+            let mut hurt = bytes.clone();
+            hurt[at] ^= 1 << bit;
+            let read = story::read(&hurt);
+            let corrupt = matches!(read.status, Status::Corrupt { .. });
+            assert!(corrupt, "kind {:#04x} as {:#04x} at {at}", bytes[at], hurt[at]);
+            let mut saved = Vec::new();
+            let mut hurt = io::Cursor::new(hurt);
+            let into = wisdom_logbook::recover_into(&PathBuf::from("hurt"), &mut hurt, Vec::new());
+            if let Ok((recovery, out)) = into {
+                assert!(recovery.lossy, "at {at}");
+                saved = out;
+            }
+            if !saved.is_empty() {
+                assert!(is_prefix(&story::read(&saved).entries, &whole.entries), "at {at}");
+            }
+        }
+        let length = u64::from_le_bytes(bytes[at + 1..at + 9].try_into().unwrap());
+        at += 9 + length as usize;
+    }
+    // Header, chunk, message index, attachment, metadata.
+    assert!([0x01, 0x06, 0x07, 0x09, 0x0c].iter().all(|kind| kinds.contains(kind)), "{kinds:?}");
+}
+
+#[test]
+fn an_observation_of_nothing_but_empty_windows_is_refused_before_it_fills_memory() {
+    let bytes = story::log();
+    let mut out = io::Cursor::new(Vec::new());
+    let mut writer = mcap::Writer::new(&mut out).unwrap();
+    for message in mcap::MessageStream::new(&bytes).unwrap() {
+        let mut message = message.unwrap();
+        if message.channel.topic == topic::OBSERVATION {
+            // Field 4, no bytes, again and again.
+            message.data = Cow::Owned([0x22, 0x00].repeat(200_000));
+        }
+        writer.write(&message).unwrap();
+    }
+    writer.finish().unwrap();
+    drop(writer);
+    let log = story::read(&out.into_inner());
+    let Status::Corrupt { detail, .. } = &log.status else { panic!("{:?}", log.status) };
+    assert!(detail.contains("no record is like that"), "{detail}");
+}
