@@ -276,7 +276,10 @@ fn every_figure_is_there_twice_and_shows_something() {
             root.attribute(key).expect("a side").parse().expect("a whole number")
         };
         let (width, height, colours) = picture(&folder.join(format!("{name}.png")));
-        assert_eq!((width, height), (side("width"), side("height")), "{name}");
+        // Charts have two pixels of a PNG to one of the drawing; of maps the SVG holds the PNG's.
+        let map = name.starts_with("interest") || name.starts_with("difference");
+        let scale = if map { 1 } else { 2 };
+        assert_eq!((width, height), (scale * side("width"), scale * side("height")), "{name}");
         let least = if name.starts_with("interest") { 100 } else { 5 };
         assert!(colours >= least, "{name}: {colours} colours");
     }
@@ -409,7 +412,18 @@ fn logs_are_compared_as_the_runs_were() {
     );
     let text = text(&wisdom(&["compare", utf8(&a), utf8(&b), "--at-states=never"]).stdout);
     assert!(text.contains("nothing else") && text.contains("regret"), "{text}");
-    assert!(!text.contains("would have chosen"), "{text}");
+    assert!(!text.contains("would have chosen") && !text.contains("its own, worth"), "{text}");
+}
+
+#[test]
+fn why_the_own_choice_may_be_worth_less_is_told_under_the_states() {
+    let (a, b) = (made().log("dsmc"), made().log("pcr6"));
+    let told = text(&wisdom(&["compare", utf8(&a), utf8(&b), "--quiet"]).stdout);
+    let (_, under) = told.split_once("would have chosen").expect("a table of states");
+    assert_eq!(under.matches("`its own, worth` may be below `chosen, worth`").count(), 1, "{told}");
+    // Nobody asks a rule that always chooses alike.
+    let same = text(&wisdom(&["compare", utf8(&a), utf8(&a), "--quiet"]).stdout);
+    assert!(same.contains("nowhere") && !same.contains("its own, worth"), "{same}");
 }
 
 #[test]
@@ -424,8 +438,35 @@ fn logs_of_two_missions_are_compared_as_far_as_that_goes() {
     let told = text(&output.stdout);
     assert!(told.contains("mission paper against marias-pass"), "{told}");
     assert!(told.contains("the first run does not have it"), "{told}");
-    assert!(told.contains("not asked what each would have chosen: its ground is"), "{told}");
-    assert!(told.contains("different grids"), "{told}");
+    let first = told.lines().next().expect("a line");
+    assert!(
+        first.starts_with("these are runs of different missions: paper, marias-pass"),
+        "{told}"
+    );
+    assert!(first.contains("what needs a common ground is left out"), "{told}");
+    let ground = "not asked what each would have chosen: its ground is";
+    assert!(told.contains(ground) && told.contains("the log's 101 x 101 cells of 1 m"), "{told}");
+    assert!(told.contains("different grids") && told.contains("not lined up"), "{told}");
+    assert!(!told.contains('{') && !told.contains("Jaccard 0"), "{told}");
+
+    let (csv, drawn) = (folder.path().join("csv"), folder.path().join("drawn"));
+    let outputs = ["--json", "--csv", utf8(&csv), "--figures", utf8(&drawn)];
+    let told = json(&wisdom(
+        &[&["compare", utf8(&made().log("dsmc")), utf8(&other)][..], &outputs].concat(),
+    ));
+    let held = &told["worlds"][0]["runs"][1]["against_first"];
+    for key in ["jaccard", "kendall_tau", "edit_distance", "edits", "first_different_stop"] {
+        assert!(held[key].is_null(), "{key}: {}", held[key]);
+    }
+    assert!(
+        told["worlds"][0]["warning"].as_str().expect("a warning").contains("different missions")
+    );
+    let edits = fs::read_to_string(csv.join("edits.csv")).expect("a table");
+    assert_eq!(edits.lines().count(), 1, "{edits}");
+    assert!(drawn.join("interest.png").exists() && !drawn.join("difference_other.png").exists());
+    // A place of one ground is none of the other.
+    let places = |run: usize| list(&told["worlds"][0]["runs"][run]["sequence"]).to_vec();
+    assert!(places(0).iter().all(|place| !places(1).contains(place)));
 }
 
 #[test]
@@ -459,6 +500,24 @@ fn a_log_that_is_not_whole_is_compared_and_said_to_be_so() {
     assert_eq!(held["divergence"]["by"], Value::Null);
     assert_eq!(held["first_divergent_decision"], log.decisions().count());
 
+    // Whoever reads the tables alone is told so, at each of them.
+    let csv = folder.path().join("csv");
+    let args =
+        ["compare", utf8(&dsmc), utf8(&cut), "--at-states=never", "--quiet", "--csv", utf8(&csv)];
+    let tables = text(&wisdom(&args).stdout);
+    let footnotes = tables.lines().filter(|line| line.starts_with("* the log ends at "));
+    assert_eq!(footnotes.count(), 3, "{tables}");
+    assert!(tables.contains(" h, before the run did: counts are of that much"), "{tables}");
+    let heads =
+        tables.lines().filter(|line| line.starts_with("dsmc (2)* ") || line.contains("cut* "));
+    assert!(heads.count() >= 3, "{tables}");
+    let runs = fs::read_to_string(csv.join("runs.csv")).expect("a table");
+    let rows: Vec<Vec<String>> = runs.lines().map(cells).collect();
+    let column = rows[0].iter().position(|name| name == "log_status").expect("a column");
+    assert_eq!(rows[1][column], "complete");
+    assert!(rows[2][column].starts_with("truncated after byte"), "{runs}");
+    assert!(!csv.join("decisions.csv").exists(), "nobody was asked");
+
     let mut broken = whole.clone();
     let middle = broken.len() / 2;
     broken[middle] ^= 1;
@@ -467,6 +526,8 @@ fn a_log_that_is_not_whole_is_compared_and_said_to_be_so() {
     let output = wisdom(&["compare", utf8(&bad), utf8(&made().log("pcr6")), "--at-states=never"]);
     assert_eq!(output.status.code(), Some(1), "{}", text(&output.stderr));
     assert!(text(&output.stderr).contains("corrupt"), "{}", text(&output.stderr));
+    let tables = text(&output.stdout);
+    assert!(tables.contains("* the log is damaged after "), "{tables}");
 }
 
 #[test]
@@ -492,9 +553,11 @@ fn what_cannot_be_compared_is_refused_by_name() {
 #[test]
 fn several_worlds_are_compared_pair_by_pair_and_leave_nothing_behind() {
     let room = tempfile::tempdir().expect("a folder");
+    let kept = tempfile::tempdir().expect("a folder");
     let mut args = vec!["compare", "missions/paper", "--rules", "dsmc,pcr6", "--seeds", "1..3"];
     args.extend(SHORT);
-    args.push("--json");
+    let outputs = kept.path().join("out");
+    args.extend(["--json", "--csv", utf8(&outputs), "--figures", utf8(&outputs)]);
     let output = Command::new(env!("CARGO_BIN_EXE_wisdom"))
         .current_dir(env!("CARGO_MANIFEST_DIR"))
         .args(&args)
@@ -506,6 +569,12 @@ fn several_worlds_are_compared_pair_by_pair_and_leave_nothing_behind() {
     let told = json(&output);
     let worlds = list(&told["worlds"]);
     assert_eq!(worlds.len(), 3);
+    let remarks = text(&output.stderr);
+    assert!(remarks.contains("decisions.csv is not written") && remarks.contains("--at-states"));
+    assert!(remarks.contains("are of paper, world of seed 1, the first of 3 worlds"), "{remarks}");
+    assert!(outputs.join("runs.csv").exists() && !outputs.join("decisions.csv").exists());
+    let axis = fs::read_to_string(outputs.join("paired_energy_j.svg")).expect("a chart");
+    assert!(axis.contains("energy, MJ: difference") && !axis.contains("energy_j"), "{axis}");
     assert!(worlds.iter().all(|world| world["runs"][1]["against_first"]["at_states"].is_null()));
     for metric in ["goals", "interest_ruler", "distance_m", "energy_j"] {
         let number = |world: &Value, run: usize| {
@@ -527,5 +596,31 @@ fn several_worlds_are_compared_pair_by_pair_and_leave_nothing_behind() {
         let slack = 1e-9 * least.abs().max(most.abs()).max(1.0);
         assert!(least - slack <= at("low") && at("high") <= most + slack, "{metric}: {row}");
         assert!(at("low") <= at("mean") && at("mean") <= at("high"));
+    }
+}
+
+#[test]
+fn means_over_worlds_are_told_in_the_units_of_a_run_with_the_warning_before_them() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let logs = folder.path().join("logs");
+    let mut args = vec!["compare", "missions/paper", "--rules", "dsmc,pcr6", "--seeds", "1,2"];
+    args.extend(["--set", "execution.max-decisions=2", "--logs", utf8(&logs)]);
+    let told = text(&wisdom(&args).stdout);
+    let lines: Vec<&str> = told.lines().collect();
+    let header = lines.iter().position(|line| line.contains("means over 2 worlds")).expect("means");
+    assert!(lines[header].contains("too short for so few worlds"), "{told}");
+    let energy = lines[header..].iter().find(|line| line.trim().starts_with("energy, MJ"));
+    let log = logs.join("paper-seed1-dsmc.mcap");
+    let other = logs.join("paper-seed2-dsmc.mcap");
+    let one = json(&wisdom(&["compare", utf8(&log), utf8(&other), "--json", "--at-states=never"]));
+    let spent =
+        |run: usize| one["worlds"][0]["runs"][run]["energy_j"].as_f64().expect("a number") / 1e6;
+    let mean = format!("{:.3} [", f64::midpoint(spent(0), spent(1)));
+    assert!(energy.expect("a row").contains(&mean), "{mean}: {told}");
+    for raw in ["time_s", "energy_j", "distance_m"] {
+        assert!(lines[header..].iter().all(|line| !line.contains(raw)), "{raw}: {told}");
+    }
+    for shown in ["time, h", "distance, m"] {
+        assert!(lines[header..].iter().any(|line| line.trim().starts_with(shown)), "{told}");
     }
 }

@@ -109,6 +109,9 @@ pub(crate) struct Drawing {
     pub(super) marks: Vec<Mark>,
 }
 
+/// Pixels of a PNG to one of the drawing, a side: lines and text stay sharp on fine screens.
+const SCALE: i32 = 2;
+
 /// Rim of a disc, pixels.
 pub(super) const RIM: f32 = 1.0;
 
@@ -218,27 +221,33 @@ impl Drawing {
     }
 
     fn canvas(&self) -> Canvas {
-        let mut canvas = Canvas::blank(self.width, self.height);
+        let mut canvas = Canvas::blank(SCALE * self.width, SCALE * self.height);
+        let wide = SCALE as f32;
+        let scaled = |(x, y): Point2| (wide * x, wide * y);
         for mark in &self.marks {
             match mark {
                 Mark::Lines { pieces, half, tint } => {
                     for (from, to) in pieces {
-                        canvas.line(*from, *to, *half, tint.rgb());
+                        canvas.line(scaled(*from), scaled(*to), wide * half, tint.rgb());
                     }
                 }
-                Mark::Fill { area, tint } => canvas.fill(*area, tint.rgb()),
+                Mark::Fill { area, tint } => canvas.fill(area.scaled(SCALE), tint.rgb()),
                 Mark::Dot { centre, radius, tint } => {
                     // A line of no length and round ends is a disc.
-                    canvas.line(*centre, *centre, radius + RIM, Ink::White.rgb());
-                    canvas.line(*centre, *centre, *radius, tint.rgb());
+                    let centre = scaled(*centre);
+                    canvas.line(centre, centre, wide * (radius + RIM), Ink::White.rgb());
+                    canvas.line(centre, centre, wide * radius, tint.rgb());
                 }
                 Mark::Text(Words { text, size, area, upright }) => {
                     let (font, text) = (size.font(), latin(text));
+                    // The fonts have one size, so their signs are drawn in it and then enlarged.
+                    let mut written = Canvas::blank(area.width.max(1), area.height.max(1));
                     if *upright {
-                        canvas.upright(font, &text, (area.left, area.bottom()), DARK);
+                        written.upright(font, &text, (0, area.height), DARK);
                     } else {
-                        canvas.text(font, &text, (area.left, area.top), DARK);
+                        written.text(font, &text, (0, 0), DARK);
                     }
+                    canvas.stamp(&written, area.scaled(SCALE), SCALE, DARK);
                 }
             }
         }

@@ -13,10 +13,12 @@ const WIDTH: i32 = PLOT + 360;
 const LEVELS: usize = 4;
 /// From a lane's line to the ends of the strokes of decisions, pixels.
 const STROKE: f32 = 9.0;
-/// From a lane's line to the ends of the stroke where runs part, pixels.
-const PARTS: f32 = 18.0;
+/// From a lane's line to the upper end of the stroke where runs part, pixels; its lower end is that much above the next lane.
+const PARTS: f32 = 10.0;
+/// What stands beside that stroke.
+const FLAG: &str = "parts";
 /// Space below a lane's line, pixels.
-const BELOW: i32 = 24;
+const BELOW: i32 = 40;
 /// The longest name of a lane, characters.
 const LONGEST: usize = 32;
 
@@ -36,7 +38,7 @@ pub(crate) struct Course {
 }
 
 /// Courses under each other over one time axis: a stroke a decision (pale where nothing changed), a dot a goal with its
-/// name, a long stroke where a run parts from the first.
+/// name, a long flagged stroke where a run parts from the first.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Timeline<'a> {
     /// Title.
@@ -85,7 +87,14 @@ impl Timeline<'_> {
                 drawing.line((x(time), y - half), (x(time), y + half), 0.6, tint);
             }
             if let Some(time) = course.parts {
-                drawing.line((x(time), y - PARTS), (x(time), y + PARTS), 1.5, Tint::Alert);
+                let foot = y + BELOW as f32 - 4.0;
+                drawing.line((x(time), y - PARTS), (x(time), foot), 1.75, Tint::Dark);
+                let (at, flag) = (x(time) as i32, row + BELOW - 4 - line / 2);
+                if at + GAP + long(BODY, FLAG) < plot.right() {
+                    drawing.text_after(FLAG, at + GAP / 2, flag);
+                } else {
+                    drawing.text_before(FLAG, at - GAP / 2, flag);
+                }
             }
             for (time, _) in &course.goals {
                 drawing.dot((x(*time), y), DOT, Tint::Run(place));
@@ -142,6 +151,7 @@ mod tests {
         drawing.check();
         let dots = drawing.marks.iter().filter(|m| matches!(m, Mark::Dot { .. })).count();
         assert_eq!(dots, 32);
+        assert_eq!(drawing.texts().iter().filter(|text| **text == FLAG).count(), 1);
         chart(&[]).drawing().check();
     }
 }

@@ -22,6 +22,15 @@ pub(super) enum States {
     },
 }
 
+/// How a sequence lines up with the first.
+pub(super) struct LinedUp {
+    pub(super) jaccard: f64,
+    pub(super) tau: Option<f64>,
+    /// The stop, from 0, at which the sequences first differ.
+    pub(super) stop: Option<usize>,
+    pub(super) alignment: Alignment,
+}
+
 /// A run held against the first of its world.
 pub(super) struct Against {
     pub(super) inputs: Inputs,
@@ -30,11 +39,8 @@ pub(super) struct Against {
     pub(super) both: usize,
     /// Those of them that chose differently.
     pub(super) apart: usize,
-    pub(super) jaccard: f64,
-    pub(super) tau: Option<f64>,
-    /// The stop, from 0, at which the sequences first differ.
-    pub(super) stop: Option<usize>,
-    pub(super) alignment: Alignment,
+    /// How its sequence lines up with the first run's; none if that lies on another grid.
+    pub(super) lined_up: Option<LinedUp>,
     pub(super) states: States,
 }
 
@@ -51,16 +57,19 @@ impl Against {
         let radius = first.account.identity_radius_cells();
         let (a, b) = (&places.sequences[0], &places.sequences[place]);
         let parted = partings(&first.log, &this.log, radius);
+        let one_ground = first.account.mission.spec.grid == this.account.mission.spec.grid;
         let states = if ask && place > 0 { states(first, this, each) } else { States::Unasked };
         Self {
             inputs: inputs(&first.log, &this.log),
             divergence: divergence(&first.log, &this.log, radius),
             both: parted.len(),
             apart: parted.iter().flatten().count(),
-            jaccard: jaccard(a, b),
-            tau: kendall_tau(a, b),
-            stop: first_difference(a, b),
-            alignment: Alignment::between(a, b),
+            lined_up: one_ground.then(|| LinedUp {
+                jaccard: jaccard(a, b),
+                tau: kendall_tau(a, b),
+                stop: first_difference(a, b),
+                alignment: Alignment::between(a, b),
+            }),
             states,
         }
     }

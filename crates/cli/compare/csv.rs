@@ -25,7 +25,9 @@ pub(super) fn write(
     let tables =
         [runs(worlds), sequences(worlds), edits(worlds), decisions(worlds), regret(worlds)];
     let mut written = Vec::new();
-    for Table { name, header, rows } in tables.into_iter().chain(paired.map(differences)) {
+    // A header over nothing would look like states of which none was found.
+    let tables = tables.into_iter().filter(|table| table.name != "decisions" || asked(worlds));
+    for Table { name, header, rows } in tables.chain(paired.map(differences)) {
         let path = folder.join(format!("{name}.csv"));
         let part = folder.join(format!("{name}.csv.part"));
         let mut file = csv::Writer::from_path(&part)?;
@@ -39,6 +41,11 @@ pub(super) fn write(
         written.push(path);
     }
     Ok(written)
+}
+
+/// Whether any rule was to be asked at the states of another's run.
+pub(super) fn asked(worlds: &[World]) -> bool {
+    all(worlds).any(|(_, _, run)| !matches!(run.against.states, States::Unasked))
 }
 
 /// A number in full precision; nothing where there is none.
@@ -63,12 +70,14 @@ fn seed(world: &World) -> String {
 fn runs(worlds: &[World]) -> Table {
     let rows = all(worlds).map(|(world, _, run)| {
         let held = &run.against;
+        let lined_up = held.lined_up.as_ref();
         vec![
             seed(world),
             run.name.clone(),
             run.rule.clone(),
             run.policy.clone(),
             run.ended.clone().unwrap_or_default(),
+            run.status.to_string(),
             run.goals.len().to_string(),
             run.interest.to_string(),
             number(run.ruler),
@@ -80,17 +89,25 @@ fn runs(worlds: &[World]) -> Table {
             number(run.reliability),
             run.decisions.to_string(),
             run.reallocations.to_string(),
-            held.jaccard.to_string(),
-            number(held.tau),
-            held.alignment.distance().to_string(),
-            count(held.stop.map(|stop| stop + 1)),
+            number(lined_up.map(|lined_up| lined_up.jaccard)),
+            number(lined_up.and_then(|lined_up| lined_up.tau)),
+            count(lined_up.map(|lined_up| lined_up.alignment.distance())),
+            count(lined_up.and_then(|lined_up| lined_up.stop).map(|stop| stop + 1)),
             count(held.divergence.as_ref().map(|divergence| divergence.decision)),
             held.both.to_string(),
             held.apart.to_string(),
         ]
     });
-    let mut header = vec!["seed", "run", "rule", "policy", "status", "goals", "interest_own_map"];
-    header.extend(["interest_ruler", "labels", "distance_m", "time_s", "energy_j", "data_mb"]);
+    let mut header = vec!["seed", "run", "rule", "policy", "status", "log_status", "goals"];
+    header.extend([
+        "interest_own_map",
+        "interest_ruler",
+        "labels",
+        "distance_m",
+        "time_s",
+        "energy_j",
+        "data_mb",
+    ]);
     header.extend(["reliability", "decisions", "reallocations", "jaccard", "kendall_tau"]);
     header.extend(["edit_distance", "first_different_stop", "first_divergent_decision"]);
     header.extend(["decisions_both", "decisions_apart"]);
@@ -112,7 +129,7 @@ fn sequences(worlds: &[World]) -> Table {
                 goal.interest.to_string(),
                 goal.prize.to_string(),
                 number(goal.ruler),
-                goal.label.map(|label| world.labels[label].name.clone()).unwrap_or_default(),
+                run.label(goal).unwrap_or_default().to_owned(),
                 goal.decision.to_string(),
                 goal.spent.time_s.to_string(),
                 goal.spent.energy_j.to_string(),
@@ -126,7 +143,8 @@ fn sequences(worlds: &[World]) -> Table {
 
 fn edits(worlds: &[World]) -> Table {
     let rows = all(worlds).filter(|(_, place, _)| *place > 0).flat_map(|(world, _, run)| {
-        run.against.alignment.edits.iter().map(move |&edit| {
+        let edits = run.against.lined_up.iter().flat_map(|lined_up| &lined_up.alignment.edits);
+        edits.map(move |&edit| {
             vec![
                 seed(world),
                 world.runs[0].name.clone(),

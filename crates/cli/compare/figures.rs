@@ -15,7 +15,9 @@ use crate::chart::{Course, Curve, Intervals, Lane, Lanes, Link, Steps, Stop, Tim
 use crate::figure::{ColourMap, Figure, Ink, Markers, Shape, Sheet, Stroke, Track};
 
 /// The most maps abreast.
-const ABREAST: usize = 3;
+const ABREAST: usize = 2;
+/// What shadows on the maps are.
+const RELIEF: &str = "relief, lit from the north-west";
 /// Seconds of an hour.
 const HOUR_S: f64 = 3600.0;
 /// Joules of a megajoule.
@@ -39,13 +41,20 @@ pub(super) fn draw(folder: &Path, world: &World, runs: &[Run]) -> anyhow::Result
         }
     }
     if !grounds.is_empty() {
-        let figures: Vec<Figure<'_>> = grounds.iter().map(Ground::figure).collect();
-        let abreast = if figures.len() == 4 { 2 } else { ABREAST.min(figures.len()) };
+        let abreast = ABREAST.min(grounds.len());
+        // One colour bar a row: all have the same range.
+        let keyed = |place: usize| place % abreast + 1 == abreast || place + 1 == grounds.len();
+        let figures: Vec<Figure<'_>> = grounds
+            .iter()
+            .map(Ground::figure)
+            .enumerate()
+            .map(|(place, figure)| if keyed(place) { figure } else { figure.without_key() })
+            .collect();
         written.extend(Sheet::of(&figures, abreast)?.write(folder, "interest")?);
     }
     if let [first, others @ ..] = &grounds[..] {
         for other in others.iter().filter(|other| other.map.spec() == first.map.spec()) {
-            let name = format!("difference_{}", file_name(&other.name));
+            let name = format!("difference_{}", file_name(&other.file));
             written.extend(difference(first, other)?.write(folder, &name)?);
         }
     }
@@ -66,7 +75,7 @@ pub(super) fn draw(folder: &Path, world: &World, runs: &[Run]) -> anyhow::Result
 /// Draws the paired differences over worlds into a folder that is there; returns what was written.
 pub(super) fn draw_paired(folder: &Path, paired: &Paired) -> anyhow::Result<Vec<PathBuf>> {
     let mut written = Vec::new();
-    let first = &paired.names[0];
+    let first = &paired.marked[0];
     for metric in &METRICS {
         let of = |row: &Row| if metric.between { row.mean } else { row.difference };
         let rows: Vec<(String, Interval)> = paired
@@ -74,9 +83,9 @@ pub(super) fn draw_paired(folder: &Path, paired: &Paired) -> anyhow::Result<Vec<
             .iter()
             .filter(|row| row.metric.name == metric.name)
             .filter_map(|row| {
-                let name = &paired.names[row.run];
+                let name = &paired.marked[row.run];
                 let against = if metric.between { "and" } else { "less" };
-                Some((format!("{name} {against} {first}"), of(row)?))
+                Some((format!("{name} {against} {first}"), metric.told(of(row)?)))
             })
             .collect();
         if rows.is_empty() {
@@ -89,10 +98,10 @@ pub(super) fn draw_paired(folder: &Path, paired: &Paired) -> anyhow::Result<Vec<
             remarks.push("Percentile intervals over so few worlds are too short.".to_owned());
         }
         let (title, quantity) = if metric.between {
-            (metric.title.to_owned(), metric.name.to_owned())
+            (metric.title.to_owned(), metric.told_name())
         } else {
             let what = format!("{}: difference from {first}", metric.title);
-            (what, format!("{}: difference", metric.name))
+            (what, format!("{}: difference", metric.told_name()))
         };
         let chart = Intervals {
             title: &title,
@@ -116,6 +125,10 @@ fn file_name(name: &str) -> String {
 /// The ground of a run as it ended, and what it did there.
 struct Ground {
     name: String,
+    /// The same in the name of a file.
+    file: String,
+    /// Its mission and seed.
+    world: String,
     map: Raster<f32>,
     seen: Raster<bool>,
     shade: Option<Raster<f32>>,
@@ -137,7 +150,9 @@ impl Ground {
         let goals = run.account.targets().into_iter().zip(places);
         let track = run.account.track.iter().copied().filter(|cell| spec.contains(*cell));
         Ok(Some(Self {
-            name: run.name.clone(),
+            name: world.runs[place].marked(),
+            file: run.name.clone(),
+            world: format!("{}, seed {}", run.fact("mission"), run.fact("seed")),
             seen: Raster::from_fn(spec, |cell| seen[cell]),
             shade: shade(mission, spec),
             track: track.collect(),
@@ -157,13 +172,14 @@ impl Ground {
             1 => "1 place".to_owned(),
             n => format!("{n} places"),
         };
-        let title = format!("{}: interest as the run ended, {goals} reached", self.name);
+        let title =
+            format!("{}: interest as the run ended, {goals} reached\n{}", self.name, self.world);
         let figure = Figure::new(&title, &self.map, ColourMap::Viridis)
             .value_label("interest")
             .range(0.0, 1.0)
             .known(&self.seen);
         let figure = match &self.shade {
-            Some(shade) => figure.hillshade(shade),
+            Some(shade) => figure.hillshade(shade).shading(RELIEF),
             None => figure,
         };
         let figure = self.with_track(figure, "driven", Stroke::Solid, Ink::White);
@@ -171,7 +187,7 @@ impl Ground {
         let figure = Self::with_goals(figure, "label", (Shape::Cross, Ink::White), labels);
         let look = (Shape::Star, Ink::Orange);
         let figure = Self::with_goals(figure, "goal reached", look, self.goals.clone());
-        self.with_start(figure)
+        Self::with_end(self.with_start(figure), "end", Ink::Vermilion, self.end())
     }
 
     fn with_track<'f>(
@@ -197,6 +213,16 @@ impl Ground {
             return figure;
         }
         figure.markers(Markers { name: name.to_owned(), shape, ink, at })
+    }
+
+    /// Where the way ends.
+    fn end(&self) -> Option<Cell> {
+        self.track.last().copied()
+    }
+
+    fn with_end<'f>(figure: Figure<'f>, name: &str, ink: Ink, at: Option<Cell>) -> Figure<'f> {
+        let at = at.into_iter().map(|cell| (cell, String::new())).collect();
+        Self::with_goals(figure, name, (Shape::Small, ink), at)
     }
 
     fn with_start<'f>(&self, figure: Figure<'f>) -> Figure<'f> {
@@ -239,7 +265,12 @@ fn difference(first: &Ground, other: &Ground) -> anyhow::Result<Sheet> {
     let less = Raster::from_fn(spec, |cell| other.map[cell] - first.map[cell]);
     let seen = less.iter().filter(|(cell, _)| both[*cell]).map(|(_, value)| f64::from(value.abs()));
     let most = seen.fold(LEAST_DIFFERENCE, f64::max);
-    let title = format!("{} less {}: interest as the runs ended", other.name, first.name);
+    let title = format!(
+        "{} less {}: interest as the runs ended\n{}",
+        other.name,
+        first.name,
+        told_world(first, other)
+    );
     let label = format!("interest: {} - {}", other.name, first.name);
     let figure = Figure::new(&title, &less, ColourMap::Diverging)
         .value_label(&label)
@@ -248,7 +279,7 @@ fn difference(first: &Ground, other: &Ground) -> anyhow::Result<Sheet> {
     // A weak shadow: no difference has to stay nearly white.
     let shade = first.shade.as_ref().map(|shade| shade.map(|light| 1.0 - SHADOW * (1.0 - light)));
     let figure = match &shade {
-        Some(shade) => figure.hillshade(shade),
+        Some(shade) => figure.hillshade(shade).shading(RELIEF),
         None => figure,
     };
     let driven = |ground: &Ground| format!("{} drove", ground.name);
@@ -262,13 +293,37 @@ fn difference(first: &Ground, other: &Ground) -> anyhow::Result<Sheet> {
         goal.1.clear();
     }
     let (of_first, of_other) = ((Shape::Square, Ink::Black), (Shape::Star, Ink::Green));
-    let figure = Ground::with_goals(figure, &reached(first), of_first, first.goals.clone());
+    // Around the other's mark where both are at one cell, so that both are seen.
+    let (both, alone): (Vec<_>, Vec<_>) = first
+        .goals
+        .iter()
+        .cloned()
+        .partition(|(cell, _)| other.goals.iter().any(|(reached, _)| reached == cell));
+    let name = format!("{}, where the other did too", reached(first));
+    let figure = Ground::with_goals(figure, &reached(first), of_first, alone);
+    let figure = Ground::with_goals(figure, &name, (Shape::Frame, Ink::Black), both);
     let figure = Ground::with_goals(figure, &reached(other), of_other, unnamed);
-    Sheet::of(&[first.with_start(figure)], 1)
+    let figure = first.with_start(figure);
+    let figure = if first.end() == other.end() {
+        Ground::with_end(figure, "end of both", Ink::Vermilion, first.end())
+    } else {
+        let end = |ground: &Ground| format!("end of {}", ground.name);
+        let figure = Ground::with_end(figure, &end(first), Ink::Black, first.end());
+        Ground::with_end(figure, &end(other), Ink::Green, other.end())
+    };
+    Sheet::of(&[figure], 1)
+}
+
+/// The world of two runs, or the worlds.
+fn told_world(first: &Ground, other: &Ground) -> String {
+    if first.world == other.world {
+        return first.world.clone();
+    }
+    format!("{}; {}", first.world, other.world)
 }
 
 fn remarks(world: &World) -> Vec<String> {
-    vec![world.title()]
+    std::iter::once(world.title()).chain(world.footnotes()).collect()
 }
 
 /// The sequences as lanes, each linked with the next.
@@ -276,6 +331,9 @@ fn sequences(world: &World) -> crate::chart::Drawing {
     let sequences = &world.places.sequences;
     let mut links = Vec::new();
     for (lane, pair) in sequences.windows(2).enumerate() {
+        if world.runs[lane].grid != world.runs[lane + 1].grid {
+            continue;
+        }
         for edit in Alignment::between(&pair[0], &pair[1]).edits {
             if let (Some(from), Some(to)) = (edit.from(), edit.to()) {
                 let moved = matches!(edit, Edit::Move { .. });
@@ -293,7 +351,7 @@ fn sequences(world: &World) -> crate::chart::Drawing {
         .iter()
         .enumerate()
         .map(|(lane, run)| Lane {
-            name: run.name.clone(),
+            name: run.marked(),
             stops: run
                 .goals
                 .iter()
@@ -308,7 +366,7 @@ fn sequences(world: &World) -> crate::chart::Drawing {
         .collect();
     let mut remarks = remarks(world);
     remarks.push(
-        "A box is a place and its interest on the common ruler; grey: not in a neighbour."
+        "A box is a place and its interest on the common ruler; grey: not in the lane above or below."
             .to_owned(),
     );
     remarks.push("Line: keeps its turn among what both reach. Dashed: moved.".to_owned());
@@ -323,7 +381,7 @@ fn timeline(world: &World) -> crate::chart::Drawing {
         let parts = divergence.and_then(|d| run.decided.get(d.decision as usize));
         let names = world.places.sequences[place].iter().map(|&place| World::place(place));
         Course {
-            name: run.name.clone(),
+            name: run.marked(),
             decisions: run.decided.iter().map(|&(at, changed)| (hours(at), changed)).collect(),
             goals: run.goals.iter().map(|goal| hours(goal.spent.time_s)).zip(names).collect(),
             parts: parts.map(|(at, _)| hours(*at)),
@@ -335,7 +393,9 @@ fn timeline(world: &World) -> crate::chart::Drawing {
     remarks.push("Dot: goal reached. Stroke: decision, pale if it changed no goal.".to_owned());
     if courses.iter().any(|course| course.parts.is_some()) {
         let first = &world.runs[0].name;
-        remarks.push(format!("Long red stroke: the first decision that differs from {first}'s."));
+        remarks.push(format!(
+            "Long black stroke with a flag: the first decision that differs from {first}'s."
+        ));
     }
     Timeline {
         title: "Decisions and goals over mission time",
@@ -359,7 +419,7 @@ fn gained(world: &World, what: &str, across: &str, of: Resource) -> crate::chart
                 (of(&goal.spent), sum)
             })
             .collect();
-        Curve { name: run.name.clone(), steps, end: of(&run.spent) }
+        Curve { name: run.marked(), steps, end: of(&run.spent) }
     };
     let curves: Vec<Curve> = world.runs.iter().map(curve).collect();
     let up =

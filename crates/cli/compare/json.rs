@@ -7,7 +7,7 @@ use wisdom_logbook::comparison::{
 };
 use wisdom_mission::statistics::Interval;
 
-use super::against::{Against, States};
+use super::against::{Against, LinedUp, States};
 use super::paired::{METRICS, Paired};
 use super::world::{Compared, World};
 
@@ -26,11 +26,12 @@ fn world(world: &World) -> Value {
     let runs = world.runs.iter().enumerate();
     json!({
         "seed": world.seeds.first().map(seed),
+        "warning": world.warning(),
         "seeds": world.seeds.iter().map(seed).collect::<Vec<_>>(),
         "places": world.places.places.iter().enumerate()
             .map(|(i, c)| json!({ "name": World::place(i), "row": c.row, "col": c.col }))
             .collect::<Vec<_>>(),
-        "labels": world.labels.iter().map(|label| json!({
+        "labels": world.runs[0].known.iter().map(|label| json!({
             "name": label.name, "row": label.at.row, "col": label.at.col,
             "radius_m": label.radius_m, "worth": label.worth,
         })).collect::<Vec<_>>(),
@@ -62,7 +63,7 @@ fn run(world: &World, place: usize, run: &Compared) -> Value {
             "goal": format!("G{}", goal.goal), "directive": goal.directive,
             "row": goal.target.row, "col": goal.target.col,
             "interest": goal.interest, "prize": goal.prize, "ruler": goal.ruler,
-            "label": goal.label.map(|label| &world.labels[label].name),
+            "label": run.label(goal),
             "decision": goal.decision, "time_s": goal.spent.time_s, "energy_j": goal.spent.energy_j,
         })).collect::<Vec<_>>(),
         "interest_own_map": run.interest,
@@ -80,13 +81,17 @@ fn run(world: &World, place: usize, run: &Compared) -> Value {
 }
 
 fn against(held: &Against) -> Value {
+    let lined_up = held.lined_up.as_ref();
+    let edits = |lined_up: &LinedUp| -> Vec<Value> {
+        lined_up.alignment.edits.iter().map(|&edit| self::edit(edit)).collect()
+    };
     json!({
         "inputs": inputs(&held.inputs),
-        "jaccard": held.jaccard,
-        "kendall_tau": held.tau,
-        "edit_distance": held.alignment.distance(),
-        "edits": held.alignment.edits.iter().map(|&edit| self::edit(edit)).collect::<Vec<_>>(),
-        "first_different_stop": held.stop.map(|stop| stop + 1),
+        "jaccard": lined_up.map(|lined_up| lined_up.jaccard),
+        "kendall_tau": lined_up.and_then(|lined_up| lined_up.tau),
+        "edit_distance": lined_up.map(|lined_up| lined_up.alignment.distance()),
+        "edits": lined_up.map(edits),
+        "first_different_stop": lined_up.and_then(|lined_up| lined_up.stop).map(|stop| stop + 1),
         "first_divergent_decision": held.divergence.as_ref().map(|d| d.decision),
         "divergence": held.divergence.as_ref().map(divergence),
         "decisions_both": held.both,

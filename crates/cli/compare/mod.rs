@@ -129,13 +129,20 @@ pub(crate) fn run(args: &CompareArgs) -> anyhow::Result<ExitCode> {
     if let Some(folder) = &args.csv {
         written.extend(csv::write(folder, &compared, paired.as_ref())?);
     }
+    let remarks = if args.quiet { Vec::new() } else { remarks(args, &compared) };
     let mut out = std::io::stdout().lock();
     if args.json {
+        for remark in remarks {
+            complain(&format!("remark: {remark}"));
+        }
         writeln!(out, "{}", json::of(&compared, paired.as_ref()))?;
     } else {
         tell::write(&mut out, &compared, paired.as_ref())?;
         if let (Some(_), Given::Mission(_)) = (&args.logs, &given) {
             written.extend(worlds.iter().flatten().map(|run| run.path.clone()));
+        }
+        for remark in remarks {
+            writeln!(out, "{remark}")?;
         }
         if !args.quiet {
             for path in &written {
@@ -144,6 +151,26 @@ pub(crate) fn run(args: &CompareArgs) -> anyhow::Result<ExitCode> {
         }
     }
     Ok(exit(&compared))
+}
+
+/// What of the files asked for is about one world, or is not written at all.
+fn remarks(args: &CompareArgs, worlds: &[World]) -> Vec<String> {
+    let mut told = Vec::new();
+    if args.csv.is_some() && !csv::asked(worlds) {
+        told.push(
+            "decisions.csv is not written: no rule was asked at the states of another's run; --at-states asks"
+                .to_owned(),
+        );
+    }
+    if let ([first, _, ..], true) = (worlds, args.figures.is_some() || args.mcap.is_some()) {
+        let what = match (&args.figures, &args.mcap) {
+            (Some(_), Some(_)) => "the figures of runs, and the merged log, are",
+            (None, Some(_)) => "the merged log is",
+            _ => "the figures of runs are",
+        };
+        told.push(format!("{what} of {}, the first of {} worlds", first.title(), worlds.len()));
+    }
+    told
 }
 
 /// What cannot be written is told before anything is run.

@@ -1,5 +1,6 @@
 //! Many worlds: each run against the first of its world, world by world.
 
+use wisdom_logbook::Status;
 use wisdom_mission::statistics::{Interval, mean_interval, paired_difference};
 
 use super::world::World;
@@ -17,9 +18,31 @@ pub(super) struct Metric {
     pub(super) name: &'static str,
     /// In words, for plots.
     pub(super) title: &'static str,
+    /// How people are told it, where that is not as it is written down.
+    told: Option<Told>,
     of: fn(&World, usize) -> Option<f64>,
     /// Whether it is about two runs already, so that a difference from the first means nothing.
     pub(super) between: bool,
+}
+
+/// A number in the unit that people are told.
+struct Told {
+    name: &'static str,
+    /// What one of that unit is.
+    unit: f64,
+}
+
+impl Metric {
+    /// Its name with the unit that people are told.
+    pub(super) fn told_name(&self) -> String {
+        self.told.as_ref().map_or_else(|| self.name.replace('_', " "), |told| told.name.to_owned())
+    }
+
+    /// An interval of it in that unit.
+    pub(super) fn told(&self, Interval { mean, low, high }: Interval) -> Interval {
+        let unit = self.told.as_ref().map_or(1.0, |told| told.unit);
+        Interval { mean: mean / unit, low: low / unit, high: high / unit }
+    }
 }
 
 /// What is compared over worlds.
@@ -27,73 +50,88 @@ pub(super) const METRICS: [Metric; 12] = [
     Metric {
         name: "goals",
         title: "Goals achieved",
+        told: None,
         of: |world, run| Some(world.runs[run].goals.len() as f64),
         between: false,
     },
     Metric {
         name: "interest_own_map",
         title: "Interest on the own map",
+        told: None,
         of: |world, run| Some(world.runs[run].interest),
         between: false,
     },
     Metric {
         name: "interest_ruler",
         title: "Interest on the common ruler",
+        told: None,
         of: |world, run| world.runs[run].ruler,
         between: false,
     },
     Metric {
         name: "labels",
         title: "Worth of labels found",
+        told: None,
         of: |world, run| world.runs[run].labels,
         between: false,
     },
     Metric {
         name: "distance_m",
-        title: "Distance driven, m",
+        title: "Distance driven",
+        told: Some(Told { name: "distance, m", unit: 1.0 }),
         of: |world, run| Some(world.runs[run].spent.length_m),
         between: false,
     },
     Metric {
         name: "time_s",
-        title: "Mission time, s",
+        title: "Mission time",
+        told: Some(Told { name: "time, h", unit: 3600.0 }),
         of: |world, run| Some(world.runs[run].spent.time_s),
         between: false,
     },
     Metric {
         name: "energy_j",
-        title: "Energy, J",
+        title: "Energy spent",
+        told: Some(Told { name: "energy, MJ", unit: 1e6 }),
         of: |world, run| Some(world.runs[run].spent.energy_j),
         between: false,
     },
     Metric {
         name: "reallocations",
         title: "Reallocations",
+        told: None,
         of: |world, run| Some(f64::from(world.runs[run].reallocations)),
         between: false,
     },
     Metric {
         name: "reliability",
         title: "Reliability of all that was driven",
+        told: None,
         of: |world, run| world.runs[run].reliability,
         between: false,
     },
     Metric {
         name: "jaccard",
         title: "Jaccard index of the places",
-        of: |world, run| Some(world.runs[run].against.jaccard),
+        told: None,
+        of: |world, run| Some(world.runs[run].against.lined_up.as_ref()?.jaccard),
         between: true,
     },
     Metric {
         name: "kendall_tau",
         title: "Kendall's tau of their order",
-        of: |world, run| world.runs[run].against.tau,
+        told: None,
+        of: |world, run| world.runs[run].against.lined_up.as_ref()?.tau,
         between: true,
     },
     Metric {
         name: "edit_distance",
         title: "Edit distance of the sequences",
-        of: |world, run| Some(world.runs[run].against.alignment.distance() as f64),
+        told: None,
+        of: |world, run| {
+            let lined_up = world.runs[run].against.lined_up.as_ref()?;
+            Some(lined_up.alignment.distance() as f64)
+        },
         between: true,
     },
 ];
@@ -115,6 +153,8 @@ pub(super) struct Paired {
     pub(super) mission: String,
     pub(super) seeds: Vec<String>,
     pub(super) names: Vec<String>,
+    /// The names in tables: with a star if a log of theirs is not whole.
+    pub(super) marked: Vec<String>,
     pub(super) rows: Vec<Row>,
 }
 
@@ -148,6 +188,13 @@ impl Paired {
         Some(Self {
             mission: first.mission.clone(),
             seeds: worlds.iter().map(|world| world.seeds.join("+")).collect(),
+            marked: (0..first.runs.len())
+                .map(|run| {
+                    let mut of_worlds = worlds.iter().map(|world| &world.runs[run]);
+                    let star = of_worlds.find(|run| run.status != Status::Complete);
+                    star.unwrap_or(&first.runs[run]).marked()
+                })
+                .collect(),
             names: first.runs.iter().map(|run| run.name.clone()).collect(),
             rows,
         })

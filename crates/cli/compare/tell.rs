@@ -25,6 +25,9 @@ pub(super) fn write(
     paired: Option<&Paired>,
 ) -> io::Result<()> {
     for world in worlds {
+        if let Some(warning) = world.warning() {
+            writeln!(out, "{warning}\n")?;
+        }
         sequences(out, world)?;
         runs(out, world)?;
         for run in &world.runs[1..] {
@@ -32,7 +35,7 @@ pub(super) fn write(
         }
         regret(out, world)?;
     }
-    paired.map_or(Ok(()), |paired| over_worlds(out, paired))
+    paired.map_or(Ok(()), |paired| over_worlds(out, paired, worlds))
 }
 
 fn table<T: ToString>(header: impl IntoIterator<Item = T>) -> Table {
@@ -52,7 +55,7 @@ fn number(value: Option<f64>, decimals: usize) -> String {
 
 fn sequences(out: &mut dyn Write, world: &World) -> io::Result<()> {
     writeln!(out, "{}: goals reached, in order (same name, same place)", world.title())?;
-    let names = world.runs.iter().map(|run| run.name.clone());
+    let names = world.runs.iter().map(Compared::marked);
     let mut table = table(std::iter::once("stop".to_owned()).chain(names));
     let longest = world.runs.iter().map(|run| run.goals.len()).max().unwrap_or(0);
     for turn in 0..longest {
@@ -71,11 +74,20 @@ fn sequences(out: &mut dyn Write, world: &World) -> io::Result<()> {
         table.add_row(row);
     }
     writeln!(out, "{table}")?;
-    writeln!(out, "P: place (row, col) and its interest on the common ruler\n")
+    writeln!(out, "P: place (row, col) and its interest on the common ruler")?;
+    footnotes(out, world)
+}
+
+/// What stars beside names say, and an empty line.
+fn footnotes(out: &mut dyn Write, world: &World) -> io::Result<()> {
+    for footnote in world.footnotes() {
+        writeln!(out, "{footnote}")?;
+    }
+    writeln!(out)
 }
 
 fn runs(out: &mut dyn Write, world: &World) -> io::Result<()> {
-    let labelled = !world.labels.is_empty();
+    let labelled = world.runs.iter().any(|run| !run.known.is_empty());
     let mut header = vec![
         "run",
         "goals",
@@ -90,24 +102,27 @@ fn runs(out: &mut dyn Write, world: &World) -> io::Result<()> {
     let mut table = table(header);
     for run in &world.runs {
         let held = &run.against;
+        let lined_up = held.lined_up.as_ref();
         let mut row = vec![
-            run.name.clone(),
+            run.marked(),
             run.goals.len().to_string(),
             format!("{:.3}", run.interest),
             number(run.ruler, 3),
         ];
         if labelled {
             let found = run.goals.iter().filter(|goal| goal.label.is_some()).count();
-            row.push(format!("{found} of {}", world.labels.len()));
+            row.push(format!("{found} of {}", run.known.len()));
         }
         row.extend([
             format!("{:.0}", run.spent.length_m),
             number(run.reliability, 3),
             run.reallocations.to_string(),
-            format!("{:.2}", held.jaccard),
-            number(held.tau, 2),
-            held.alignment.distance().to_string(),
-            held.stop.map_or_else(dash, |stop| (stop + 1).to_string()),
+            number(lined_up.map(|lined_up| lined_up.jaccard), 2),
+            number(lined_up.and_then(|lined_up| lined_up.tau), 2),
+            lined_up.map_or_else(dash, |lined_up| lined_up.alignment.distance().to_string()),
+            lined_up
+                .and_then(|lined_up| lined_up.stop)
+                .map_or_else(dash, |stop| (stop + 1).to_string()),
             held.divergence.as_ref().map_or_else(dash, |d| d.decision.to_string()),
         ]);
         table.add_row(row);
@@ -116,14 +131,15 @@ fn runs(out: &mut dyn Write, world: &World) -> io::Result<()> {
     writeln!(
         out,
         "Jaccard, Kendall, edits and where they part: against {}. Ruler: interest on the noise-free, fully\n\
-         known world under dsmc.\n",
-        world.runs[0].name
-    )
+         known world under dsmc.",
+        world.runs[0].marked()
+    )?;
+    footnotes(out, world)
 }
 
 fn against(out: &mut dyn Write, world: &World, run: &Compared) -> io::Result<()> {
-    let first = &world.runs[0].name;
-    writeln!(out, "{} against {first}", run.name)?;
+    let (first, this) = (&world.runs[0].marked(), &run.marked());
+    writeln!(out, "{this} against {first}")?;
     let held = &run.against;
     for (i, line) in given(&held.inputs).into_iter().enumerate() {
         writeln!(out, "  {:<9} {line}", if i == 0 { "given" } else { "" })?;
@@ -131,7 +147,7 @@ fn against(out: &mut dyn Write, world: &World, run: &Compared) -> io::Result<()>
     writeln!(out, "  {:<9} {}", "told", told(&held.inputs))?;
     match &held.divergence {
         None => writeln!(out, "  {:<9} nowhere: all {} decisions agree", "part", held.both)?,
-        Some(divergence) => part(out, divergence, first, &run.name)?,
+        Some(divergence) => part(out, divergence, first, this)?,
     }
     aligned(out, run)?;
     match &held.states {
@@ -147,9 +163,9 @@ fn against(out: &mut dyn Write, world: &World, run: &Compared) -> io::Result<()>
                 "  {:<9} at {} states of {first}, {} chooses alike; at {} of {}, {first} does",
                 "rule",
                 agree(of_first),
-                run.name,
+                this,
                 agree(of_this),
-                run.name,
+                this,
             )?;
             writeln!(
                 out,
@@ -158,8 +174,14 @@ fn against(out: &mut dyn Write, world: &World, run: &Compared) -> io::Result<()>
                 held.both - held.apart,
                 held.both
             )?;
-            states(out, first, &run.name, of_first)?;
-            states(out, &run.name, first, of_this)?;
+            states(out, first, this, of_first)?;
+            states(out, this, first, of_this)?;
+            if of_first.alike() + of_this.alike() < of_first.states.len() + of_this.states.len() {
+                writeln!(
+                    out,
+                    "  `its own, worth` may be below `chosen, worth`: another policy, or places that are no goals there"
+                )?;
+            }
         }
     }
     writeln!(out)
@@ -284,7 +306,9 @@ fn around(chosen: &Chosen, turn: usize) -> String {
 
 /// The edit script in one line: kept places by name, and what was done with the others.
 fn aligned(out: &mut dyn Write, run: &Compared) -> io::Result<()> {
-    let script = &run.against.alignment;
+    let Some(script) = run.against.lined_up.as_ref().map(|lined_up| &lined_up.alignment) else {
+        return writeln!(out, "  {:<9} not lined up: they lie on different grids", "goals");
+    };
     let count = |name: &str| script.count(name);
     writeln!(
         out,
@@ -360,45 +384,72 @@ fn regret(out: &mut dyn Write, world: &World) -> io::Result<()> {
         );
     }
     writeln!(out, "What each sequence is worth, and its regret: what the best of them has more")?;
-    let names = matrix.measures.iter().map(|measure| measure.name.clone());
+    let marked = |name: &String| {
+        let run = world.runs.iter().find(|run| run.name == *name);
+        run.map_or_else(|| name.clone(), Compared::marked)
+    };
+    let of_run = |name: &str| name.strip_prefix("map of ").map(str::to_owned);
+    let names = matrix.measures.iter().map(|measure| match of_run(&measure.name) {
+        Some(run) => format!("map of {}", marked(&run)),
+        None => measure.name.clone(),
+    });
     let mut table = table(std::iter::once("sequence of".to_owned()).chain(names));
     for (run, name) in matrix.runs.iter().enumerate() {
         let cells = (0..matrix.measures.len()).map(|measure| {
             let total = matrix.total(run, measure).zip(matrix.regret(run, measure));
             total.map_or_else(dash, |(total, regret)| format!("{total:.3} ({regret:.3})"))
         });
-        table.add_row(std::iter::once(name.clone()).chain(cells));
+        table.add_row(std::iter::once(marked(name)).chain(cells));
     }
-    writeln!(out, "{table}\n")
+    writeln!(out, "{table}")?;
+    footnotes(out, world)
 }
 
-fn over_worlds(out: &mut dyn Write, paired: &Paired) -> io::Result<()> {
+fn over_worlds(out: &mut dyn Write, paired: &Paired, of: &[World]) -> io::Result<()> {
     let worlds = paired.seeds.len();
-    writeln!(out, "{}: means over {worlds} worlds, 95 % bootstrap intervals", paired.mission)?;
-    let mut means = table(std::iter::once("").chain(paired.names.iter().map(String::as_str)));
+    // Before the numbers: who reads them has read it.
+    let few = worlds < FEW_WORLDS;
+    let short = if few { " (too short for so few worlds)" } else { "" };
+    writeln!(
+        out,
+        "{}: means over {worlds} worlds, 95 % bootstrap intervals{short}",
+        paired.mission
+    )?;
+    let mut means = table(std::iter::once("").chain(paired.marked.iter().map(String::as_str)));
     let mut differences =
-        table(std::iter::once("").chain(paired.names.iter().skip(1).map(String::as_str)));
+        table(std::iter::once("").chain(paired.marked.iter().skip(1).map(String::as_str)));
     for metric in &METRICS {
         let cell = |run: usize, of: &dyn Fn(&super::paired::Row) -> Option<Interval>| {
             let found = paired.row(metric.name, run).and_then(of);
-            found.map_or_else(dash, |interval| with_interval(interval, worlds))
+            found.map_or_else(dash, |interval| with_interval(metric.told(interval), worlds))
         };
         let mean = |run| cell(run, &|row| row.mean);
         let all: Vec<String> = (0..paired.names.len()).map(mean).collect();
         if all.iter().any(|cell| *cell != "-") {
-            means.add_row(std::iter::once(metric.name.to_owned()).chain(all));
+            means.add_row(std::iter::once(metric.told_name()).chain(all));
         }
         let less: Vec<String> =
             (1..paired.names.len()).map(|run| cell(run, &|row| row.difference)).collect();
         if less.iter().any(|cell| *cell != "-") {
-            differences.add_row(std::iter::once(metric.name.to_owned()).chain(less));
+            differences.add_row(std::iter::once(metric.told_name()).chain(less));
         }
     }
     writeln!(out, "{means}\n")?;
-    writeln!(out, "Differences from {}, world by world", paired.names[0])?;
+    writeln!(
+        out,
+        "Differences from {}, world by world, with their intervals{short}",
+        paired.marked[0]
+    )?;
     writeln!(out, "{differences}")?;
-    if worlds < FEW_WORLDS {
-        writeln!(out, "Percentile intervals over so few worlds are too short.")?;
+    for world in of {
+        for footnote in world.footnotes() {
+            writeln!(
+                out,
+                "* seed {}: {}",
+                world.seeds.join("+"),
+                footnote.trim_start_matches("* ")
+            )?;
+        }
     }
     writeln!(out)
 }

@@ -59,6 +59,16 @@ impl Area {
         }
     }
 
+    /// The same area in pixels of which so many go into one of its own, a side.
+    pub(crate) fn scaled(self, by: i32) -> Self {
+        Self {
+            left: by * self.left,
+            top: by * self.top,
+            width: by * self.width,
+            height: by * self.height,
+        }
+    }
+
     /// The least rectangle around both.
     pub(super) fn with(self, other: Self) -> Self {
         let (left, top) = (self.left.min(other.left), self.top.min(other.top));
@@ -238,7 +248,7 @@ impl Canvas {
 
     /// A marker of which only a share shows through what is in front of it.
     pub(super) fn marker_through(&mut self, shape: Shape, centre: Point2, ink: Ink, shown: f32) {
-        let reach = (1.3 * MARKER + HALO) as i32 + 2;
+        let reach = (1.6 * MARKER + HALO) as i32 + 2;
         let (x0, y0) = (centre.0 as i32, centre.1 as i32);
         for (halo, colour) in [(HALO, ink.rim()), (0.0, ink.rgb())] {
             for y in y0 - reach..=y0 + reach {
@@ -338,6 +348,18 @@ impl Canvas {
         writer.write_image_data(&bytes)?;
         writer.finish()?;
         Ok(())
+    }
+
+    /// Copies the pixels of one colour of another picture into an area of this one, each as a square of that side.
+    pub(crate) fn stamp(&mut self, other: &Self, area: Area, side: i32, colour: Rgb888) {
+        for y in 0..other.height {
+            for x in 0..other.width {
+                if other.pixels[(y * other.width + x) as usize] == colour {
+                    let (left, top) = (area.left + side * x, area.top + side * y);
+                    self.fill(Area { left, top, width: side, height: side }, colour);
+                }
+            }
+        }
     }
 
     /// Copies another picture into this one, its upper left corner at a place; what does not fit is left out.

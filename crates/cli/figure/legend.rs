@@ -3,7 +3,7 @@
 use embedded_graphics::pixelcolor::Rgb888;
 
 use super::canvas::{Area, Canvas};
-use super::colour::{DARK, Ink, hatch};
+use super::colour::{DARK, Ink, WHITE, hatch, lit};
 use super::marks::{Shape, Stroke, pieces, stroke};
 use super::text::{BODY, advance, fit, width};
 use super::{GAP, MARGIN};
@@ -22,6 +22,8 @@ pub(super) enum Key {
     Unknown,
     /// An area of one colour.
     Fill(Rgb888),
+    /// Light that goes over into shadow.
+    Shading,
 }
 
 /// A key and its name in their place.
@@ -50,6 +52,14 @@ impl Entry {
             Key::Marker(shape, ink) => canvas.marker(shape, (f32::midpoint(from, to), middle), ink),
             Key::Fill(colour) => {
                 canvas.fill(swatch, colour);
+                canvas.frame(swatch);
+            }
+            Key::Shading => {
+                for x in 0..swatch.width {
+                    let light = 1.0 - x as f32 / (swatch.width - 1) as f32;
+                    let column = Area { left: swatch.left + x, width: 1, ..swatch };
+                    canvas.fill(column, lit(WHITE, light));
+                }
                 canvas.frame(swatch);
             }
             Key::Unknown => {

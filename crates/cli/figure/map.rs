@@ -38,6 +38,10 @@ pub(crate) struct Figure<'a> {
     palette: Palette,
     axes: Axes,
     hillshade: Option<&'a Raster<f32>>,
+    /// What the hillshade is, in the legend; not there if empty.
+    shading: String,
+    /// Whether the colours are explained beside the map.
+    keyed: bool,
     known: Option<&'a Raster<bool>>,
     tracks: Vec<Track>,
     markers: Vec<Markers>,
@@ -52,6 +56,8 @@ impl<'a> Figure<'a> {
             palette: Palette::new(map),
             axes: Axes::Metres,
             hillshade: None,
+            shading: String::new(),
+            keyed: true,
             known: None,
             tracks: Vec::new(),
             markers: Vec::new(),
@@ -87,6 +93,18 @@ impl<'a> Figure<'a> {
     /// Darkens the map where a hillshade (0 in shadow, 1 facing the light) of the same shape is low.
     pub(crate) fn hillshade(mut self, shade: &'a Raster<f32>) -> Self {
         self.hillshade = Some(shade);
+        self
+    }
+
+    /// Says in the legend what the hillshade shows.
+    pub(crate) fn shading(mut self, what: &str) -> Self {
+        self.shading = latin(what);
+        self
+    }
+
+    /// Leaves out what explains the colours: another figure beside this one has it.
+    pub(crate) fn without_key(mut self) -> Self {
+        self.keyed = false;
         self
     }
 
@@ -129,11 +147,13 @@ impl<'a> Figure<'a> {
         }
         self.draw_cells(&mut canvas, &layout, span);
         self.draw_axes(&mut canvas, &layout);
-        layout.key.draw(&self.palette, &mut canvas);
+        if self.keyed {
+            layout.key.draw(&self.palette, &mut canvas);
+        }
         let drawn = self.draw_tracks(&mut canvas, &layout);
         self.draw_markers(&mut canvas, &layout);
         for label in self.place_labels(&layout, &drawn) {
-            canvas.haloed(&label.text, (label.area.left, label.area.top));
+            label.draw(&mut canvas);
         }
         for entry in &layout.legend {
             entry.draw(&mut canvas);
@@ -277,7 +297,9 @@ impl<'a> Figure<'a> {
         let kinds = self.markers.iter().map(|m| (Key::Marker(m.shape, m.ink), m.name.clone()));
         let unseen = self.layer.spec().cells().any(|cell| self.value(cell).is_none());
         let unknown = unseen.then(|| (Key::Unknown, "not known".to_owned()));
-        tracks.chain(kinds).filter(|(_, name)| !name.is_empty()).chain(unknown).collect()
+        let shading = self.hillshade.map(|_| (Key::Shading, self.shading.clone()));
+        let named = tracks.chain(kinds).chain(shading).filter(|(_, name)| !name.is_empty());
+        named.chain(unknown).collect()
     }
 
     /// Puts every part in its place.
@@ -306,7 +328,8 @@ impl<'a> Figure<'a> {
         let under_map = map_width / 2 + width(BODY, x_label) / 2;
         let bar_left = map_left + label_width.max(last_number).max(under_map) + 2 * GAP;
         let key = self.palette.key(span, body_height);
-        let width = (bar_left + key.body.width + MARGIN).max(LEAST.0);
+        let key_width = if self.keyed { key.body.width } else { 0 };
+        let width = (bar_left + key_width + MARGIN).max(LEAST.0);
 
         let title = wrap(&self.title, ((width - map_left - MARGIN) / advance(TITLE)) as usize);
         let body_top = MARGIN
@@ -413,7 +436,7 @@ mod tests {
 
     use super::super::colour::{Ink, UNKNOWN, UNKNOWN_STRIPE};
     use super::super::legend::ROW;
-    use super::super::marks::{Shape, Stroke};
+    use super::super::marks::{Shape, Stroke, off_area};
     use super::*;
 
     fn ramp(rows: usize, cols: usize) -> Raster<f32> {
@@ -552,6 +575,60 @@ mod tests {
     }
 
     #[test]
+    fn a_label_no_nearer_to_its_own_marker_than_to_another_has_a_line_to_its_own() {
+        let raster = ramp(101, 101);
+        let near = [40, 44, 48, 52];
+        let crowd: Vec<_> = near
+            .iter()
+            .flat_map(|&row| near.map(|col| Cell::new(row, col)))
+            .map(|cell| (cell, format!("P{}-{}", cell.row, cell.col)))
+            .collect();
+        let figure = Figure::new("", &raster, ColourMap::Grey).markers(stars("", crowd.clone()));
+        let layout = laid_out(&figure);
+        let labels = figure.place_labels(&layout, &Stencil::empty(layout.map));
+        let mut lines = 0;
+        for (label, (cell, _)) in labels.iter().zip(&crowd) {
+            let own = off_area(label.area, layout.centre(*cell));
+            let others = crowd.iter().filter(|(other, _)| other != cell);
+            let nearer = others
+                .map(|(other, _)| off_area(label.area, layout.centre(*other)))
+                .any(|other| other <= own);
+            assert!(!nearer || label.leader.is_some(), "{label:?}");
+            lines += usize::from(label.leader.is_some());
+            if let Some((from, _)) = label.leader {
+                let (x, y) = layout.centre(*cell);
+                assert!((from.0 - x).hypot(from.1 - y) < MARKER + 0.01, "{label:?}");
+            }
+        }
+        assert!(lines > 0, "so close together some label must stand away");
+        let lone = Figure::new("", &raster, ColourMap::Grey)
+            .markers(stars("", vec![(Cell::new(50, 50), "P1".to_owned())]));
+        let labels = lone.place_labels(&laid_out(&lone), &Stencil::empty(layout.map));
+        assert_eq!(labels[0].leader, None);
+    }
+
+    #[test]
+    fn a_figure_without_its_key_is_narrower_and_its_map_the_same() {
+        let raster = ramp(30, 30);
+        let figure = || Figure::new("", &raster, ColourMap::Viridis).value_label("interest");
+        let (with, without) = (laid_out(&figure()), laid_out(&figure().without_key()));
+        assert!(without.width + 20 < with.width);
+        assert_eq!((without.map, without.height), (with.map, with.height));
+    }
+
+    #[test]
+    fn the_legend_says_what_the_shadows_are_if_there_are_any() {
+        let raster = ramp(3, 3);
+        let lit = |figure: &Figure<'_>| {
+            figure.legend_keys().contains(&(Key::Shading, "relief".to_owned()))
+        };
+        assert!(lit(&Figure::new("", &raster, ColourMap::Grey)
+            .hillshade(&raster)
+            .shading("relief")));
+        assert!(!lit(&Figure::new("", &raster, ColourMap::Grey).shading("relief")));
+    }
+
+    #[test]
     fn a_label_longer_than_a_narrow_map_stays_inside_the_picture_and_off_the_colour_bar() {
         let raster = ramp(500, 4);
         let long = "a label that is much longer than anyone should write".to_owned();
@@ -591,12 +668,32 @@ mod tests {
         };
         let (solid, dashed) = (inked(Stroke::Solid), inked(Stroke::Dashed));
         assert!(solid > 600 && dashed > solid / 3 && dashed < 4 * solid / 5, "{solid}, {dashed}");
-        for shape in [Shape::Circle, Shape::Cross, Shape::Triangle, Shape::Star, Shape::Square] {
+        let filled = [Shape::Circle, Shape::Cross, Shape::Triangle, Shape::Star, Shape::Square];
+        for shape in filled.into_iter().chain([Shape::Small]) {
             let at = vec![(Cell::new(60, 60), String::new())];
             let markers = Markers { name: String::new(), shape, ink: Ink::Vermilion, at };
             let figure = Figure::new("", &raster, ColourMap::Grey).markers(markers);
             assert_eq!(pixel(&figure, Cell::new(60, 60)), Ink::Vermilion.rgb(), "{shape:?}");
         }
+    }
+
+    #[test]
+    fn a_frame_is_hollow_and_leaves_room_for_another_marker() {
+        let raster = ramp(100, 100);
+        let cell = Cell::new(60, 60);
+        let markers = |shape, ink| {
+            let at = vec![(cell, String::new())];
+            Markers { name: String::new(), shape, ink, at }
+        };
+        let bare = Figure::new("", &raster, ColourMap::Grey);
+        let framed = bare.clone().markers(markers(Shape::Frame, Ink::Vermilion));
+        assert_eq!(pixel(&framed, cell), pixel(&bare, cell));
+        let both = framed.markers(markers(Shape::Star, Ink::Green));
+        assert_eq!(pixel(&both, cell), Ink::Green.rgb());
+        let (x, y) = laid_out(&both).centre(cell);
+        let canvas = both.draw().unwrap();
+        let edge = canvas.index((x + 1.3 * MARKER) as i32, y as i32).unwrap();
+        assert_eq!(canvas.pixels[edge], Ink::Vermilion.rgb());
     }
 
     #[test]

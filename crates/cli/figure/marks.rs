@@ -3,7 +3,7 @@
 use wisdom_grid::Cell;
 
 use super::canvas::{Area, Canvas, Point2, Stencil, off_line};
-use super::colour::Ink;
+use super::colour::{DARK, Ink, WHITE};
 use super::text::{LABEL, fit, latin, line_height, width};
 
 /// Half the width of a track, pixels.
@@ -14,6 +14,15 @@ pub(super) const MARKER: f32 = 8.0;
 
 /// Width of the contrasting rim around tracks and markers, pixels.
 pub(super) const HALO: f32 = 1.4;
+
+/// Half the width of the line from a label to its marker, pixels.
+const LEADER: f32 = 0.75;
+
+/// What a label covers weighs its pixels. A line to its marker weighs as if it covered so many, ...
+const LEADER_WEIGHT: i32 = 200;
+
+/// ... and another marker under that line so many.
+const CROSSED_WEIGHT: i32 = 400;
 
 /// The longest label of a marker, characters.
 pub(super) const LABEL_MOST: usize = 32;
@@ -45,6 +54,10 @@ pub(crate) enum Shape {
     Star,
     /// A square.
     Square,
+    /// A square about the others, of which only the outline is drawn.
+    Frame,
+    /// A small square: another marker is still seen around it.
+    Small,
 }
 
 /// A line over the map through the centres of cells.
@@ -78,6 +91,18 @@ pub(crate) struct Markers {
 pub(super) struct Label {
     pub(super) text: String,
     pub(super) area: Area,
+    /// The line to its marker, where another marker stands nearer.
+    pub(super) leader: Option<(Point2, Point2)>,
+}
+
+impl Label {
+    pub(super) fn draw(&self, canvas: &mut Canvas) {
+        if let Some((from, to)) = self.leader {
+            canvas.line(from, to, LEADER + 1.0, DARK);
+            canvas.line(from, to, LEADER, WHITE);
+        }
+        canvas.haloed(&self.text, (self.area.left, self.area.top));
+    }
 }
 
 impl Markers {
@@ -89,7 +114,8 @@ impl Markers {
 }
 
 /// Finds the label of each marker, given by its centre, a place beside it: inside `room`, off other labels and
-/// markers, off the pixels that `drawn` counts where it can be.
+/// markers, off the pixels that `drawn` counts where it can be. One that stands no nearer to its own marker than to
+/// another gets a line to its own.
 pub(super) fn place_labels(
     marked: &[(Point2, &str)],
     room: Area,
@@ -100,18 +126,53 @@ pub(super) fn place_labels(
     for &(centre, text) in marked.iter().filter(|(_, text)| !text.is_empty()) {
         let text = fit(text, LABEL_MOST);
         let size = (width(LABEL, &text), line_height(LABEL));
-        let area = candidates(centre, size)
+        let others = || marked.iter().map(|(other, _)| *other).filter(|other| *other != centre);
+        let (area, leader) = candidates(centre, size)
             .into_iter()
             .map(|area| area.pushed_into(room))
-            .min_by_key(|area| {
+            .map(|area| (area, leader(area, centre, others())))
+            .min_by_key(|(area, leader)| {
                 let covered: i32 = taken.iter().map(|other| area.overlap(*other)).sum();
-                4 * covered + drawn(*area)
+                let line = leader.map_or(0, |(from, to)| {
+                    let under = |other: &Point2| off_line(from, to, *other) < MARKER;
+                    let crossed = others().filter(under).count() as i32;
+                    LEADER_WEIGHT + CROSSED_WEIGHT * crossed
+                });
+                4 * covered + drawn(*area) + line
             })
             .expect("there is always a candidate");
         taken.push(area.grown(2));
-        labels.push(Label { text, area });
+        labels.push(Label { text, area, leader });
     }
     labels
+}
+
+/// The line from a label to its marker, if the label stands far from it or no nearer to it than to another.
+fn leader(
+    area: Area,
+    own: Point2,
+    mut others: impl Iterator<Item = Point2>,
+) -> Option<(Point2, Point2)> {
+    let (foot, far) = (nearest(area, own), off_area(area, own));
+    let lone = far < 2.5 * MARKER && others.all(|other| off_area(area, other) > 1.25 * far);
+    if lone || far <= MARKER {
+        return None;
+    }
+    // From the marker's rim: its own shape stays as it is.
+    let t = MARKER / far;
+    Some(((own.0 + t * (foot.0 - own.0), own.1 + t * (foot.1 - own.1)), foot))
+}
+
+/// The point of an area nearest to another.
+fn nearest(area: Area, point: Point2) -> Point2 {
+    let within = |at: f32, low: i32, high: i32| at.max(low as f32).min(high as f32);
+    (within(point.0, area.left, area.right()), within(point.1, area.top, area.bottom()))
+}
+
+/// Distance of a point from an area.
+pub(super) fn off_area(area: Area, point: Point2) -> f32 {
+    let foot = nearest(area, point);
+    (foot.0 - point.0).hypot(foot.1 - point.1)
 }
 
 /// A marker's surroundings.
@@ -126,7 +187,7 @@ pub(super) fn around(centre: (f32, f32)) -> Area {
     }
 }
 
-/// Places for a label of `size` about a marker, best first, in two rings.
+/// Places for a label of `size` about a marker, best first, in four rings.
 pub(super) fn candidates(centre: (f32, f32), size: (i32, i32)) -> Vec<Area> {
     let (x, y) = (centre.0 as i32, centre.1 as i32);
     let ring = |gap: i32| {
@@ -144,10 +205,12 @@ pub(super) fn candidates(centre: (f32, f32), size: (i32, i32)) -> Vec<Area> {
             (x - near - size.0, y + near),
         ]
     };
-    let reach = (MARKER + HALO) as i32 + 4;
+    let reach = (MARKER + HALO) as i32 + 6;
     ring(reach)
         .into_iter()
         .chain(ring(2 * reach))
+        .chain(ring(3 * reach))
+        .chain(ring(5 * reach))
         .map(|(left, top)| Area { left, top, width: size.0, height: size.1 })
         .collect()
 }
@@ -197,6 +260,8 @@ pub(super) fn off_shape(shape: Shape, point: Point2) -> f32 {
     match shape {
         Shape::Circle => point.0.hypot(point.1) - 0.85 * MARKER,
         Shape::Square => point.0.abs().max(point.1.abs()) - 0.75 * MARKER,
+        Shape::Frame => (point.0.abs().max(point.1.abs()) - 1.3 * MARKER).abs() - 0.15 * MARKER,
+        Shape::Small => point.0.abs().max(point.1.abs()) - 0.5 * MARKER,
         Shape::Cross => {
             let arm = 0.7 * MARKER;
             let stroke = off_line((-arm, -arm), (arm, arm), point);

@@ -363,7 +363,7 @@ impl<'a> Surface<'a> {
             }
         }
         for label in place_labels(&marked, layout.plot, |_| 0) {
-            canvas.haloed(&label.text, (label.area.left, label.area.top));
+            label.draw(canvas);
         }
     }
 

@@ -121,7 +121,12 @@ pub fn redecide(
     let own = mission_of(log)?.spec;
     let spec = &under.spec;
     if spec.grid != own.grid {
-        let what = format!("its ground is {:?}, the log's {:?}", spec.grid, own.grid);
+        let told = |grid: &wisdom_grid::GridSpec| {
+            format!("{} x {} cells of {} m", grid.rows(), grid.cols(), grid.spacing_m())
+        };
+        let (there, here) = (told(&spec.grid), told(&own.grid));
+        let apart = if there == here { ", at another place" } else { "" };
+        let what = format!("its ground is {there}, the log's {here}{apart}");
         return Err(ReplayError::Unfit { what });
     }
     let words = Words::new(&own, spec);

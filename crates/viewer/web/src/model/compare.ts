@@ -1,0 +1,62 @@
+// Two runs held against each other, decision by decision.
+//
+// As `wisdom redecide` has it: two choices are alike if they do the same next and mean to visit the same places in the
+// same order; places within the identity radius under the same directive are one. Names of goals are not compared,
+// because each run gives its own.
+
+import { sequence } from "./changes";
+import type { Run } from "./run";
+import type { Goal, GridSpec, Moment } from "./types";
+
+/** One row of two sequences side by side; a side is absent where the other has a goal that it has not. */
+export interface Pair {
+  a?: Goal;
+  b?: Goal;
+}
+
+export const samePlace = (a: Goal, b: Goal, grid: GridSpec, radiusM: number): boolean =>
+  a.directive === b.directive && Math.hypot(a.target.row - b.target.row, a.target.col - b.target.col) * grid.spacingM <= radiusM;
+
+const goalsOf = (moment: Moment): Goal[] => {
+  const goals = new Map(moment.verdicts.map(({ goal }) => [goal.id, goal]));
+  return sequence(moment).flatMap((id) => goals.get(id) ?? []);
+};
+
+/** The chosen sequences of two decisions, aligned by place: the least that must be put in and taken out. */
+export const aligned = (a: Moment, b: Moment, grid: GridSpec, radiusM: number): Pair[] => {
+  const [left, right] = [goalsOf(a), goalsOf(b)];
+  const alike = (i: number, j: number): boolean => {
+    const [one, other] = [left[i], right[j]];
+    return one !== undefined && other !== undefined && samePlace(one, other, grid, radiusM);
+  };
+  const width = right.length + 1;
+  const best = new Uint16Array((left.length + 1) * width);
+  const entry = (i: number, j: number): number => best[i * width + j] ?? 0;
+  for (let i = left.length - 1; i >= 0; i--) {
+    for (let j = right.length - 1; j >= 0; j--) {
+      best[i * width + j] = alike(i, j) ? entry(i + 1, j + 1) + 1 : Math.max(entry(i + 1, j), entry(i, j + 1));
+    }
+  }
+  const pairs: Pair[] = [];
+  let [i, j] = [0, 0];
+  while (i < left.length || j < right.length) {
+    if (alike(i, j) && entry(i, j) === entry(i + 1, j + 1) + 1) pairs.push({ a: left[i++], b: right[j++] });
+    else if (j >= right.length || (i < left.length && entry(i + 1, j) >= entry(i, j + 1))) pairs.push({ a: left[i++] });
+    else pairs.push({ b: right[j++] });
+  }
+  return pairs;
+};
+
+/** Whether two decisions chose alike. */
+export const choseAlike = (a: Moment, b: Moment, grid: GridSpec, radiusM: number): boolean =>
+  a.act.name === b.act.name && aligned(a, b, grid, radiusM).every((pair) => pair.a && pair.b);
+
+/** Place of the first decision that the runs took otherwise, by number; none if they are alike as far as both go. */
+export const firstDivergence = (a: Run, b: Run): number | undefined => {
+  const most = Math.min(a.moments.length, b.moments.length);
+  for (let i = 0; i < most; i++) {
+    const [one, other] = [a.moments[i], b.moments[i]];
+    if (one && other && !choseAlike(one, other, a.facts.grid, a.facts.identityRadiusM)) return i;
+  }
+  return a.moments.length === b.moments.length ? undefined : most;
+};

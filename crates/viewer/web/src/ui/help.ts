@@ -1,0 +1,35 @@
+// What the keys do.
+
+import { h } from "./dom";
+
+const KEYS: readonly [string, string][] = [
+  ["←  →", "decision before, next decision"],
+  ["Home  End", "first, last decision"],
+  ["Space", "play, stop"],
+  ["g", "to the list of goals; ↑ ↓ to move, Enter to open one"],
+  ["/", "filter the goals"],
+  ["1 2 3 4 5", "goals, changes, plans, run, the two runs"],
+  ["l  L", "next layer, layer before"],
+  ["t", "timeline by mission time or by decision"],
+  ["s", "relief on or off"],
+  ["v", "the ground in two or three dimensions"],
+  ["m", "to the map; there + − 0 zoom, Shift and arrows pan or turn, Alt and arrows ask a cell"],
+  ["Esc", "let go of the goal"],
+  ["d", "light, dark, as the system has it"],
+  ["o", "open a log"],
+  ["c", "open a second log beside it; [ and ] move the wipe"],
+  ["?", "this list"],
+];
+
+export const helpDialog = (): HTMLDialogElement => {
+  const dialog = h(
+    "dialog",
+    { class: "help", "aria-label": "Keys" },
+    h("h2", {}, "Keys"),
+    h("dl", {}, KEYS.flatMap(([key, what]) => [h("dt", {}, key), h("dd", {}, what)])),
+    h("p", { class: "note" }, "The address keeps the moment: #d=7 is decision 7. Nothing on this page goes over the network."),
+    h("form", { method: "dialog" }, h("button", {}, "Close")),
+  );
+  document.body.append(dialog);
+  return dialog;
+};
