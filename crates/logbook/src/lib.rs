@@ -2,6 +2,7 @@
 
 pub mod compare;
 pub mod comparison;
+mod container;
 mod error;
 mod expand;
 mod indexed;

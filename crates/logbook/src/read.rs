@@ -13,6 +13,7 @@ use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{self, BufReader, Cursor, Read, Seek};
 use std::ops::ControlFlow;
+use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
 use foxglove::messages::Grid;
@@ -132,7 +133,6 @@ impl Source {
 /// A map in the log.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 struct MapAt {
-    decision: u32,
     topic: String,
     channel: u16,
     /// Where its chunk begins.
@@ -155,7 +155,8 @@ pub struct LogReader {
     /// Messages of each topic, those of topics that this version does not know among them.
     pub topics: BTreeMap<String, u64>,
     source: Source,
-    maps: Vec<MapAt>,
+    /// The maps of each decision, in the order they were written.
+    maps: BTreeMap<u32, Vec<MapAt>>,
 }
 
 impl LogReader {
@@ -186,7 +187,7 @@ impl LogReader {
             topics: BTreeMap::new(),
             // The source itself moves in once it was read.
             source: Source::Memory(Vec::new()),
-            maps: Vec::new(),
+            maps: BTreeMap::new(),
         };
         let mut story = Story::default();
         let walked = source
@@ -221,7 +222,8 @@ impl LogReader {
                 self.count(at.topic);
                 if at.topic.starts_with(MAPS) {
                     let MessageAt { number: decision, channel, chunk, .. } = at;
-                    self.maps.push(MapAt { decision, topic: at.topic.to_owned(), channel, chunk });
+                    let map = MapAt { topic: at.topic.to_owned(), channel, chunk };
+                    self.maps.entry(decision).or_default().push(map);
                 }
             }
         }
@@ -253,7 +255,26 @@ impl LogReader {
 
     /// The maps in the log: decision and topic.
     pub fn maps(&self) -> impl Iterator<Item = (u32, &str)> {
-        self.maps.iter().map(|map| (map.decision, map.topic.as_str()))
+        let maps = self.maps.iter();
+        maps.flat_map(|(decision, maps)| maps.iter().map(|map| (*decision, map.topic.as_str())))
+    }
+
+    /// The topics of a decision's maps.
+    pub fn maps_of(&self, decision: u32) -> impl Iterator<Item = &str> {
+        self.maps.get(&decision).into_iter().flatten().map(|map| map.topic.as_str())
+    }
+
+    /// The decisions from one to another that have a map of a topic, in their order.
+    pub(crate) fn decisions_with(
+        &self,
+        topic: &str,
+        decisions: RangeInclusive<u32>,
+    ) -> impl DoubleEndedIterator<Item = u32> {
+        let of_topic = move |maps: &[MapAt]| maps.iter().any(|map| map.topic == topic);
+        // A range that ends before it begins is none, and no panic.
+        let maps = (!decisions.is_empty()).then(|| self.maps.range(decisions));
+        let maps = maps.into_iter().flatten();
+        maps.filter(move |(_, maps)| of_topic(maps)).map(|(decision, _)| *decision)
     }
 
     /// A map of a decision, for instance [`topic::INTEREST`], at the place of the run's grid.
@@ -265,8 +286,8 @@ impl LogReader {
         let missing = || LogError::NoMap { topic: topic.to_owned(), decision };
         let at = self
             .maps
-            .iter()
-            .find(|map| map.decision == decision && map.topic == topic)
+            .get(&decision)
+            .and_then(|maps| maps.iter().find(|map| map.topic == topic))
             .ok_or_else(missing)?;
         let path = self.source.name();
         let io = |source| LogError::Io { path: path.clone(), source };

@@ -6,17 +6,16 @@
 
 use std::collections::BTreeMap;
 use std::fs::File;
-use std::io::{BufReader, BufWriter, Read, Seek};
+use std::io::{BufReader, Read, Seek};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
 use mcap::records::{Metadata, Record};
-use mcap::write::NoSeek;
-use mcap::{Attachment, Compression, McapError, WriteOptions};
+use mcap::{Attachment, McapError};
 
+use crate::container::{self, Container, failure};
 use crate::read::stream::Story;
 use crate::read::walk::{Found, PRIVATE, walk};
-use crate::store::Guarded;
 use crate::write::END;
 use crate::{LogError, PartFile, Status, Store, SyncPolicy};
 
@@ -90,7 +89,7 @@ pub fn recover_into<S: Store>(
     });
     let walked = walked.map_err(|source| LogError::Io { path: name.to_owned(), source })?;
     if let Some(error) = failed {
-        return Err(copy.failure(error));
+        return Err(failure(&copy.name, error));
     }
     let status = copy.story.status(&walked);
     let status = status.ok_or_else(|| LogError::NotALog { path: name.to_owned() })?;
@@ -113,8 +112,6 @@ pub fn recover_into<S: Store>(
     let closed = copy.finish(&recovery)?;
     Ok((recovery, closed))
 }
-
-type Container<S> = mcap::Writer<NoSeek<BufWriter<Guarded<S>>>>;
 
 /// The new container, and what has gone into it.
 struct Copy<S: Store> {
@@ -145,16 +142,7 @@ impl<S: Store> Copy<S> {
     /// The container, begun with a profile if it is not yet.
     fn container(&mut self, profile: &str) -> Result<&mut Container<S>, McapError> {
         if let Some(store) = self.store.take() {
-            let sink = NoSeek::new(BufWriter::new(Guarded::new(store)));
-            // As the logs themselves are written.
-            let options = WriteOptions::new()
-                .compression(Some(Compression::Zstd))
-                .compression_threads(0)
-                .chunk_size(None)
-                .disable_seeking(true)
-                .library("wisdom")
-                .profile(profile);
-            self.container = Some(options.create(sink)?);
+            self.container = Some(container::open(store, profile, None)?);
         }
         self.container.as_mut().ok_or(McapError::AttemptedWriteAfterFailure)
     }
@@ -210,26 +198,13 @@ impl<S: Store> Copy<S> {
             _ if told_before && !recovery.lossy => None,
             _ => Some(Metadata { name: RECOVERED.to_owned(), metadata: facts(recovery) }),
         };
-        let written = self.container("").and_then(|container| {
-            if let Some(last) = &last {
-                container.write_metadata(last)?;
-            }
-            container.finish()
+        let written = self.container("").and_then(|container| match &last {
+            Some(last) => container.write_metadata(last),
+            None => Ok(()),
         });
-        written.map_err(|error| self.failure(error))?;
-        let container = self.container.take().expect("it was just finished");
-        let io = |source| LogError::Io { path: self.name.clone(), source };
-        let buffered = container.into_inner().into_inner();
-        let guarded = buffered.into_inner().map_err(|error| io(error.into_error()))?;
-        guarded.into_inner().close().map_err(io)
-    }
-
-    fn failure(&self, error: McapError) -> LogError {
-        let path = self.name.clone();
-        match error {
-            McapError::Io(source) => LogError::Io { path, source },
-            source => LogError::Container { path, source },
-        }
+        written.map_err(|error| failure(&self.name, error))?;
+        let container = self.container.take().expect("it was just written to");
+        container::close(container, &self.name)
     }
 }
 

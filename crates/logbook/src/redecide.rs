@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 
 use wisdom_autonomy::{Autonomy, Maps, Moment, Observation, Source, Spec};
 use wisdom_goals::{Kind, ManagerState, Wish};
-use wisdom_grid::Cell;
+use wisdom_grid::{Cell, GridSpec};
 use wisdom_mission::{Mission, Override};
 
 use crate::compare::Difference;
@@ -121,7 +121,7 @@ pub fn redecide(
     let own = mission_of(log)?.spec;
     let spec = &under.spec;
     if spec.grid != own.grid {
-        let told = |grid: &wisdom_grid::GridSpec| {
+        let told = |grid: &GridSpec| {
             format!("{} x {} cells of {} m", grid.rows(), grid.cols(), grid.spacing_m())
         };
         let (there, here) = (told(&spec.grid), told(&own.grid));

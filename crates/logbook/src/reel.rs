@@ -31,25 +31,19 @@ impl Reel {
             *self = Self::new();
         }
         // What comes before the last whole map need not be read.
-        let wholes = log.maps().filter(|(at, name)| *name == topic::INTEREST && *at <= decision);
-        let from = wholes.map(|(at, _)| at).filter(|at| *at >= self.next).max();
+        let from = log.decisions_with(topic::INTEREST, self.next..=decision).next_back();
         if let Some(from) = from {
             self.known = Some(log.map(topic::INTEREST, from)?);
             self.next = from + 1;
         }
-        let patches: Vec<u32> = log
-            .maps()
-            .filter(|(at, name)| *name == topic::PATCH && (self.next..=decision).contains(at))
-            .map(|(at, _)| at)
-            .collect();
-        for at in patches {
+        for at in log.decisions_with(topic::PATCH, self.next..=decision) {
             let patch = log.map(topic::PATCH, at)?;
             let fits = |known: &Raster<f32>| known.spec().part(patch.spec().window()).is_ok();
             let Some(known) = self.known.as_mut().filter(|known| fits(known)) else {
                 return Err(LogError::Malformed {
                     record: format!("{} of decision {at}", topic::PATCH),
                     field: "pose.position".to_owned(),
-                    found: format!("{:?}", patch.spec().window()),
+                    found: patch.spec().window().to_string(),
                     limit: "a part of the map before it",
                 });
             };

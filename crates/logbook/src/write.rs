@@ -7,20 +7,18 @@
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
-use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 
 use foxglove::Encode;
 use foxglove::messages::log;
+use mcap::Attachment;
 use mcap::records::{MessageHeader, Metadata};
-use mcap::write::NoSeek;
-use mcap::{Attachment, Compression, McapError, WriteOptions};
 use wisdom_autonomy::{Decision, Message, Observation, Outcome, Pose, Spent};
 use wisdom_goals::Action;
 use wisdom_grid::{Cell, GridSpec, Raster, Window};
 
+use crate::container::{self, Container, failure};
 use crate::record::{self, CHAIN_START, DESCRIPTOR, hex};
-use crate::store::Guarded;
 use crate::{DecisionMaps, Drape, LogError, PartFile, Setting, Store, SyncPolicy, topic, view};
 
 /// Name of the metadata record that opens a log.
@@ -120,7 +118,7 @@ pub struct Options {
 
 /// Writes a log: the records of a run, and the same for viewers.
 pub struct LogWriter<S: Store = PartFile> {
-    container: mcap::Writer<NoSeek<BufWriter<Guarded<S>>>>,
+    container: Container<S>,
     name: PathBuf,
     setting: Setting,
     options: Options,
@@ -162,16 +160,8 @@ impl<S: Store> LogWriter<S> {
         options: Options,
     ) -> Result<Self, LogError> {
         let name = store.name();
-        let sink = NoSeek::new(BufWriter::new(Guarded::new(store)));
-        let container = WriteOptions::new()
-            .compression(Some(Compression::Zstd))
-            .compression_threads(0)
-            .chunk_size(None)
-            .disable_seeking(true)
-            .library("wisdom")
-            .profile("wisdom")
-            .create(sink)
-            .map_err(|error| failure(&name, error))?;
+        let container =
+            container::open(store, "wisdom", None).map_err(|error| failure(&name, error))?;
         let mut writer = Self {
             container,
             name,
@@ -330,13 +320,8 @@ impl<S: Store> LogWriter<S> {
     ///
     /// # Errors
     /// As [`LogWriter::finish`].
-    pub fn close(mut self) -> Result<S::Closed, LogError> {
-        let name = self.name;
-        self.container.finish().map_err(|error| failure(&name, error))?;
-        let io = |source| LogError::Io { path: name.clone(), source };
-        let buffered = self.container.into_inner().into_inner();
-        let guarded = buffered.into_inner().map_err(|error| io(error.into_error()))?;
-        guarded.into_inner().close().map_err(io)
+    pub fn close(self) -> Result<S::Closed, LogError> {
+        container::close(self.container, &self.name)
     }
 
     /// Digest of all decisions so far, hexadecimal: see [`record::Decision::link`].
@@ -523,13 +508,4 @@ fn changed(before: &Raster<f32>, now: &Raster<f32>) -> Option<Window> {
         rows: bottom - top + 1,
         cols: right - left + 1,
     })
-}
-
-/// An error of the container, with the file's name.
-fn failure(name: &Path, error: McapError) -> LogError {
-    let path = name.to_owned();
-    match error {
-        McapError::Io(source) => LogError::Io { path, source },
-        source => LogError::Container { path, source },
-    }
 }

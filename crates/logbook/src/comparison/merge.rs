@@ -1,13 +1,13 @@
 //! Several logs in one file, so that stock viewers show the runs beside each other on one time line.
 //!
 //! Everything of the first run goes under `/a/`, of the second under `/b/`, and so on: topics, metadata and attachments.
-//! Times are kept. Payloads are kept byte for byte, but for the frames that viewers draw in: `map` becomes `a/map`, and
+//! Times are kept, but for a nanosecond where two runs have a message at one time. Payloads are kept byte for byte, but for the frames that viewers draw in: `map` becomes `a/map`, and
 //! transforms from a frame `world` put the maps side by side.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::fs::File;
-use std::io::{self, BufReader, BufWriter, Read};
+use std::io::{self, BufReader, Read};
 use std::path::{Path, PathBuf};
 
 use foxglove::Encode as _;
@@ -17,11 +17,10 @@ use foxglove::messages::{
 };
 use mcap::records::{MessageHeader, Metadata, Record};
 use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
-use mcap::write::NoSeek;
-use mcap::{Attachment, Compression, McapError, WriteOptions, parse_record};
+use mcap::{Attachment, McapError, parse_record};
 use prost::Message as _;
 
-use crate::store::Guarded;
+use crate::container::{self, Container, failure};
 use crate::view::timestamp;
 use crate::write::RUN;
 use crate::{LogError, PartFile, Store as _, SyncPolicy, topic};
@@ -73,15 +72,7 @@ pub fn merge(path: &Path, logs: &[&Path]) -> Result<Merged, LogError> {
 fn write(store: PartFile, logs: &[&Path]) -> Result<Merged, LogError> {
     let name = store.name();
     let failed = |error: McapError| failure(&name, error);
-    let mut out = WriteOptions::new()
-        .compression(Some(Compression::Zstd))
-        .compression_threads(0)
-        .chunk_size(Some(CHUNK))
-        .disable_seeking(true)
-        .library("wisdom")
-        .profile("wisdom")
-        .create(NoSeek::new(BufWriter::new(Guarded::new(store))))
-        .map_err(failed)?;
+    let mut out = container::open(store, "wisdom", Some(CHUNK)).map_err(failed)?;
     let mut runs = Vec::new();
     let mut told = BTreeMap::new();
     for (letter, path) in LETTERS.chars().zip(logs) {
@@ -105,18 +96,14 @@ fn write(store: PartFile, logs: &[&Path]) -> Result<Merged, LogError> {
         runs[next].write(&mut out, &mut clock, &name)?;
         runs[next].advance(&mut out, &name)?;
     }
-    out.finish().map_err(failed)?;
-    let io = |source| LogError::Io { path: name.clone(), source };
-    let buffered = out.into_inner().into_inner();
-    let guarded = buffered.into_inner().map_err(|error| io(error.into_error()))?;
-    let path = guarded.into_inner().close().map_err(io)?;
+    let path = container::close(out, &name)?;
     Ok(Merged { path, messages: runs.iter().map(|run| run.written).collect() })
 }
 
 /// Name of the metadata record that opens a merged log: the file of each run, by its letter.
 pub(crate) const MERGED: &str = "wisdom.merged";
 
-type Out = mcap::Writer<NoSeek<BufWriter<Guarded<PartFile>>>>;
+type Out = Container<PartFile>;
 
 /// Gives every message a time of its own: runs share theirs, and players do not keep the order of equal ones.
 struct Clock {
@@ -339,13 +326,4 @@ fn in_frames_of(
         }
         _ => return Ok(None),
     }))
-}
-
-/// An error of the container, with the file's name.
-fn failure(name: &Path, error: McapError) -> LogError {
-    let path = name.to_owned();
-    match error {
-        McapError::Io(source) => LogError::Io { path, source },
-        source => LogError::Container { path, source },
-    }
 }

@@ -303,8 +303,7 @@ impl<'a> Derivation<'a> {
             if let Some(difference) = promised(log, number) {
                 return Ok(Some(difference));
             }
-            let of_this = log.maps().filter(|(of, _)| *of == number).map(|(_, topic)| topic);
-            let others: Vec<&str> = of_this.filter(|topic| *topic != topic::INTEREST).collect();
+            let others = log.maps_of(number).filter(|topic| *topic != topic::INTEREST);
             let interest = self.reel.turn_to(log, number)?;
             let mut written: Vec<(&str, Cow<'_, Raster<f32>>)> = Vec::new();
             written.extend(interest.map(|plane| ("interest", Cow::Borrowed(plane))));
@@ -314,7 +313,7 @@ impl<'a> Derivation<'a> {
             for (name, written) in written {
                 let Some(plane) = plane(derived, name) else { continue };
                 if written.spec() != plane.spec() {
-                    let said = |raster: &Raster<f32>| format!("{:?}", raster.spec());
+                    let said = |raster: &Raster<f32>| raster.spec().window().to_string();
                     let (left, right) = (said(&written), said(plane));
                     return Ok(Some(Difference::told(number, "fusion", name, left, right)));
                 }
@@ -342,7 +341,7 @@ impl<'a> Derivation<'a> {
 /// logs said so), the first in a log of patches, none in one of digests.
 fn promised(log: &LogReader, number: u32) -> Option<Difference> {
     let mode = log.metadata.get(crate::write::MAPS).map_or("full", String::as_str);
-    let there = log.maps().any(|at| at == (number, topic::INTEREST));
+    let there = log.maps_of(number).any(|topic| topic == topic::INTEREST);
     let due = match mode {
         "full" => true,
         "patch" => number == 0,
