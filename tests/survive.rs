@@ -141,7 +141,7 @@ fn a_run_killed_at_any_moment_keeps_every_acknowledged_decision() {
         }
     }
     assert!(
-        killed >= 10 && with_decisions >= 10,
+        killed >= 20 && with_decisions >= 20,
         "{killed} killed, {with_decisions} with decisions"
     );
 }
