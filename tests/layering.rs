@@ -4,8 +4,10 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 /// The crates in their order.
-const ORDER: [&str; 9] =
-    ["grid", "belief", "terrain", "fusion", "planner", "goals", "autonomy", "mission", "logbook"];
+const ORDER: [&str; 10] = [
+    "grid", "belief", "terrain", "fusion", "planner", "goals", "autonomy", "mission", "logbook",
+    "viewer",
+];
 
 fn manifest(folder: &Path) -> toml::Table {
     let text =

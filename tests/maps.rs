@@ -95,7 +95,7 @@ fn other_planes_are_made_on_demand_and_an_unknown_one_leaves_nothing_behind() {
             wisdom_logbook::derive_at(&log, number).expect("it follows").expect("it is there");
         for name in &planes {
             let written = more.map(&format!("/map/{name}"), number).expect("it was asked for");
-            let derived = wisdom_logbook::plane(past.maps(), name).expect("a plane");
+            let derived = wisdom_logbook::plane(&past.rover, name).expect("a plane");
             assert!(written == *derived, "{name} of decision {number}");
         }
     }

@@ -13,13 +13,16 @@ mod log;
 mod mission_args;
 mod paper;
 mod redecide;
+mod remade;
 mod replay;
+mod report;
 mod rules;
 mod run;
 mod schema;
 mod show;
 mod terrain;
 mod verify;
+mod view;
 
 use std::process::ExitCode;
 
@@ -52,6 +55,10 @@ enum Command {
     Compare(compare::CompareArgs),
     // Without a doc comment: one here would hide that of `CampaignArgs`, which says what the folder holds.
     Campaign(campaign::CampaignArgs),
+    // As above.
+    View(view::ViewArgs),
+    // As above.
+    Report(report::ReportArgs),
     /// Draw a map of a logged decision.
     Show(show::ShowArgs),
     /// Hand a logged decision to other tools: PDDL for planners, DOT for drawings.
@@ -81,6 +88,8 @@ fn main() -> ExitCode {
         Command::Redecide(args) => redecide::run(&args),
         Command::Compare(args) => compare::run(&args),
         Command::Campaign(args) => campaign::run(&args),
+        Command::View(args) => view::run(&args),
+        Command::Report(args) => report::run(&args),
         Command::Show(args) => show::run(&args),
         Command::Export(args) => export::run(&args),
         Command::Log(args) => log::run(&args),

@@ -4,10 +4,11 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use wisdom_autonomy::{Act, Decision, ELEVATION, Maps};
+use anyhow::Context;
+use wisdom_autonomy::{Act, Decision, ELEVATION};
 use wisdom_goals::{Action, Status};
 use wisdom_grid::{Cell, Raster, Window};
-use wisdom_logbook::{Entry, LogReader};
+use wisdom_logbook::{Entry, LogReader, Past, PlaneGroup, PlaneInfo};
 
 use crate::exit::InputError;
 use crate::figure::{Axes, ColourMap, Figure, Ink, Markers, Shape, Stroke, Track};
@@ -17,8 +18,9 @@ use crate::figure::{Axes, ColourMap, Figure, Ink, Markers, Shape, Stroke, Track}
 pub(crate) struct ShowArgs {
     /// The log (NAME.mcap or NAME.mcap.part).
     log: PathBuf,
-    /// interest, ignorance, paradox, conflict, contradiction, prize, hazard, blocked, any layer of the
-    /// mission, or NAME-u for a layer's uncertainty.
+    /// interest, ignorance, paradox, conflict, contradiction, prize, hazard, blocked, reliability (the chance to reach the
+    /// cell from the rover), any layer of the mission, NAME-u for a layer's uncertainty; of an expert credit-NAME,
+    /// mass-interesting-NAME, mass-not-interesting-NAME, mass-ignorance-NAME, mass-paradox-NAME.
     #[arg(long, default_value = "interest")]
     layer: String,
     /// The decision; the last one by default.
@@ -56,7 +58,7 @@ pub(crate) fn run(args: &ShowArgs) -> anyhow::Result<ExitCode> {
     check_output(&args.output)?;
     let log = LogReader::open(&args.log)?;
     let mission = wisdom_logbook::mission_of(&log)?;
-    check_layer(&mission, &args.layer)?;
+    let info = info(&mission, &args.layer)?;
     let count = log.decisions().count();
     let number = match args.decision {
         Some(number) => number,
@@ -72,7 +74,7 @@ pub(crate) fn run(args: &ShowArgs) -> anyhow::Result<ExitCode> {
         return Err(InputError(message).into());
     };
     let maps = past.maps();
-    let plane = plane(maps, &args.layer)?;
+    let plane = plane(&past, &info).context("a plane of every decision is not there")?;
     let elevation = &maps.layers[ELEVATION];
     let shade = wisdom_terrain::hillshade(elevation, 315f64.to_radians(), 45f64.to_radians());
     let name = log.metadata.get("mission").map_or("mission", String::as_str);
@@ -104,66 +106,36 @@ pub(crate) fn run(args: &ShowArgs) -> anyhow::Result<ExitCode> {
     Ok(crate::exit::of_log(&log))
 }
 
-/// Planes that every mission has.
-const PLANES: [&str; 8] =
-    ["interest", "ignorance", "paradox", "conflict", "contradiction", "prize", "hazard", "blocked"];
-
-/// Refuses a layer that the mission does not have, before anything is derived.
-fn check_layer(mission: &wisdom_mission::Mission, name: &str) -> Result<(), InputError> {
-    let layers: Vec<&str> = mission.spec.layers.iter().map(|l| l.name.as_str()).collect();
-    let bare = name.strip_suffix("-u").unwrap_or(name);
-    if PLANES.contains(&name) || layers.contains(&name) || layers.contains(&bare) {
-        return Ok(());
-    }
-    let list = PLANES.iter().chain(&layers).copied().collect::<Vec<_>>().join(", ");
-    Err(InputError(format!(
-        "--layer {name}: the log has {list} (and NAME-u for a layer's uncertainty)"
-    )))
+/// The layer asked for, among those that the mission's decisions have, before anything is derived.
+fn info(mission: &wisdom_mission::Mission, name: &str) -> Result<PlaneInfo, InputError> {
+    let all = wisdom_logbook::planes(&mission.spec);
+    let names: Vec<&str> = all.iter().map(|plane| plane.name.as_str()).collect();
+    let list = names.join(", ");
+    let found = all.into_iter().find(|plane| plane.name == name);
+    found.ok_or_else(|| InputError(format!("--layer {name}: the log has {list}")))
 }
 
-fn plane(maps: &Maps, name: &str) -> Result<Plane, InputError> {
-    let interest = &maps.interest;
-    // Of ground that no expert knows anything of, an interest of 0 would be a claim.
-    let seen = interest.ignorance.map(|&ignorance| ignorance < 1.0);
-    let unit = |raster: &Raster<f32>, label: &str| Plane {
-        raster: raster.clone(),
-        label: label.to_owned(),
-        map: ColourMap::Viridis,
-        range: Some((0.0, 1.0)),
-        known: Some(seen.clone()),
-    };
-    let free = |raster: Raster<f32>, label: &str, known: Option<Raster<bool>>| Plane {
-        raster,
-        label: label.to_owned(),
-        map: ColourMap::Cividis,
-        range: None,
-        known,
-    };
-    Ok(match name {
-        "interest" => unit(&interest.interest, "Bel(I)"),
-        "ignorance" => Plane { known: None, ..unit(&interest.ignorance, "m(I or NI)") },
-        "paradox" => unit(&interest.paradox, "m(I and NI)"),
-        "conflict" => unit(&interest.conflict, "K"),
-        "contradiction" => unit(&interest.contradiction, "largest m_a(I) m_b(NI)"),
-        "prize" => unit(&maps.prize.prize, "prize"),
-        "hazard" => free(
-            maps.ground.hazard().clone(),
-            "hazard rate, 1/m",
-            Some(maps.layers[ELEVATION].uncertainty().map(|&u| u < 1.0)),
-        ),
-        "blocked" => unit(&maps.ground.blocked().map(|&b| f32::from(u8::from(b))), "blocked"),
-        name => {
-            let layer = |n: &str| maps.layers.get(n);
-            if let Some(found) = layer(name) {
-                let known = found.uncertainty().map(|u| *u < 1.0);
-                free(found.values().clone(), name, Some(known))
-            } else if let Some(found) = name.strip_suffix("-u").and_then(layer) {
-                Plane { known: None, ..unit(found.uncertainty(), "u") }
-            } else {
-                return Err(InputError(format!("--layer {name}: not among the derived maps")));
-            }
+fn plane(past: &Past, info: &PlaneInfo) -> Option<Plane> {
+    let raster = wisdom_logbook::plane(&past.rover, &info.name)?.into_owned();
+    let maps = past.maps();
+    let read = |layer: &str| Some(maps.layers.get(layer)?.uncertainty().map(|&u| u < 1.0));
+    let (range, known) = match info.group {
+        // Of ground that no expert knows anything of, an interest of 0 would be a claim.
+        PlaneGroup::Interest if info.name != "ignorance" => {
+            (Some((0.0, 1.0)), Some(maps.interest.ignorance.map(|&ignorance| ignorance < 1.0)))
         }
-    })
+        PlaneGroup::Credit => (Some((-1.0, 1.0)), None),
+        PlaneGroup::Layer => (None, read(&info.name)),
+        PlaneGroup::Ground if info.name == "hazard" => (None, read(ELEVATION)),
+        _ => (Some((0.0, 1.0)), None),
+    };
+    let map = if range.is_some() { ColourMap::Viridis } else { ColourMap::Cividis };
+    let unit = if matches!(info.unit.as_str(), "1" | "") {
+        String::new()
+    } else {
+        format!(", {}", info.unit)
+    };
+    Some(Plane { raster, label: format!("{}{unit}", info.label), map, range, known })
 }
 
 /// Every cell driven before a decision.

@@ -95,11 +95,7 @@ pub(crate) fn run(args: &ExplainArgs) -> anyhow::Result<ExitCode> {
     };
     bar.set_message("applying the prices".to_owned());
     let confirmations = past.rover.confirmed(&prices);
-    let told: Vec<Told> = prices
-        .into_iter()
-        .zip(confirmations)
-        .map(|(price, confirmation)| Told { price, confirmation })
-        .collect();
+    let told = told(prices, confirmations);
     let decided = past.rover.deliberation().expect("a core that has decided has deliberated");
     let spec = past.rover.spec();
     bar.finish_and_clear();
@@ -140,6 +136,19 @@ pub(crate) fn run(args: &ExplainArgs) -> anyhow::Result<ExitCode> {
     }
     out.flush()?;
     Ok(crate::exit::of_log(&log))
+}
+
+/// The price tags of all goals that a decision left out, each taken again, as `--json` prints them.
+pub(crate) fn left_out(past: &Past) -> Vec<Value> {
+    let prices = past.rover.price_tags();
+    let confirmations = past.rover.confirmed(&prices);
+    let spec = past.rover.spec();
+    told(prices, confirmations).iter().map(|told| as_json(told, spec)).collect()
+}
+
+fn told(prices: Vec<GoalPrice>, confirmations: Vec<Confirmation>) -> Vec<Told> {
+    let both = prices.into_iter().zip(confirmations);
+    both.map(|(price, confirmation)| Told { price, confirmation }).collect()
 }
 
 /// A goal that has something to be explained.

@@ -18,8 +18,9 @@ pub(crate) struct ExpandArgs {
     log: PathBuf,
     /// The new log; never one that exists.
     out: PathBuf,
-    /// Further planes at every decision: ignorance, paradox, conflict, contradiction, prize, hazard, a layer of the mission, or
-    /// NAME-u for a layer's uncertainty.
+    /// Further planes at every decision: ignorance, paradox, conflict, contradiction, prize, hazard, blocked, reliability, a layer
+    /// of the mission, NAME-u for a layer's uncertainty; of each expert mass-interesting-NAME, mass-not-interesting-NAME,
+    /// mass-ignorance-NAME, mass-paradox-NAME, credit-NAME.
     #[arg(long, value_name = "PLANES", value_delimiter = ',')]
     planes: Vec<String>,
     /// Print one JSON object instead of text.

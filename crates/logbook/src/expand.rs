@@ -2,13 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
-use wisdom_autonomy::{Autonomy, AutonomyError, Message, Observation, Outcome};
+use wisdom_autonomy::{Autonomy, AutonomyError, Message, Observation, Outcome, Spec};
 
 use crate::replay::same_version;
 use crate::store::part_of;
 use crate::{
     Entry, LogReader, LogWriter, MapMode, Options, ReplayError, RunHeader, Setting, SyncPolicy,
-    first_difference, is_plane, mission_of, plane, record,
+    first_difference, is_plane, mission_of, plane, planes as planes_of, record,
 };
 
 /// Writes a log again with whole maps at every decision: those that a log of mode [`MapMode::Full`] holds, and further
@@ -27,7 +27,7 @@ pub fn expand(
 ) -> Result<PathBuf, ReplayError> {
     let mission = mission_of(log)?;
     if let Some(name) = planes.iter().find(|name| !is_plane(&mission.spec, name)) {
-        return Err(ReplayError::NoPlane { name: name.clone() });
+        return Err(no_plane(&mission.spec, name));
     }
     same_version(log)?;
     let rover = Autonomy::new(mission.spec.clone())?;
@@ -40,6 +40,11 @@ pub fn expand(
         std::fs::remove_file(part_of(to)).ok();
     }
     made
+}
+
+fn no_plane(spec: &Spec, name: &str) -> ReplayError {
+    let known = planes_of(spec).into_iter().map(|plane| plane.name).collect();
+    ReplayError::NoPlane { name: name.to_owned(), known }
 }
 
 /// The facts and files of the log, as a new one begins with them.
@@ -84,9 +89,10 @@ fn write(
                 let maps = rover.maps().ok_or(AutonomyError::NothingObserved)?;
                 let mut more = Vec::new();
                 for name in planes {
-                    let unknown = || ReplayError::NoPlane { name: name.clone() };
-                    more.push((name.as_str(), plane(maps, name).ok_or_else(unknown)?));
+                    let plane = plane(&rover, name).ok_or_else(|| no_plane(rover.spec(), name));
+                    more.push((name.as_str(), plane?));
                 }
+                let more: Vec<_> = more.iter().map(|(name, plane)| (*name, &**plane)).collect();
                 writer.decided(&decision, maps, &more)?;
                 progress(decision.number);
             }

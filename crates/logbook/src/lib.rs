@@ -3,10 +3,12 @@
 pub mod compare;
 pub mod comparison;
 mod container;
+mod derive;
 mod error;
 mod expand;
 mod indexed;
 mod life;
+mod planes;
 pub mod read;
 pub mod record;
 mod recover;
@@ -20,22 +22,22 @@ mod view;
 pub mod write;
 
 pub use compare::{Difference, MapDifference, first_difference};
+pub use derive::{Deriver, Past, derive_at};
 pub use error::LogError;
 pub use expand::expand;
 pub use indexed::{AttachmentAt, Contents, IndexedLog};
 pub use life::{GoalLife, Weighing};
+pub use planes::{PlaneGroup, PlaneInfo, is_plane, plane, planes};
 pub use read::{Check, Entry, Item, LogReader, RunEnd, Status, check};
 pub use recover::{RECOVERED, Recovery, recover, recover_into};
 pub use redecide::{
     Parting, Redecided, Retaken, Scores, Terms, mission_with, parting, redecide, side_by_side,
 };
 pub use reel::Reel;
-pub use replay::{Past, ReplayError, begin, causal_dot, derive_at, header, mission_of};
+pub use replay::{ReplayError, begin, causal_dot, header, mission_of};
 pub use setting::{DecisionMaps, Drape, Setting};
 pub use store::{PartFile, Store, SyncPolicy, part_of};
-pub use verify::{
-    Breach, INVARIANTS, Verification, VerifyLevel, is_plane, plane, verify, verify_log,
-};
+pub use verify::{Breach, INVARIANTS, Verification, VerifyLevel, verify, verify_log};
 pub use write::{KEY_EVERY, Level, LogWriter, MapMode, Options, RunHeader};
 
 /// Where each kind of record goes.

@@ -3,16 +3,16 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use wisdom_autonomy::{Autonomy, AutonomyError, Decision, Maps, Message, Observation, Outcome};
-use wisdom_goals::{Action, CausalGraph, GoalId};
-use wisdom_grid::{Cell, Raster};
+use wisdom_autonomy::{AutonomyError, Decision, Maps, Message, Observation, Outcome};
+use wisdom_goals::{CausalGraph, GoalId};
+use wisdom_grid::Raster;
 use wisdom_mission::{FaultEvent, Mission, MissionError, RecordError, Recorder};
 
-use crate::compare::{Difference, first_difference};
+use crate::compare::Difference;
+use crate::derive::derive_at;
 use crate::record::{self, hex};
 use crate::{
-    DecisionMaps, Drape, Entry, LogError, LogReader, LogWriter, Options, RunHeader, Setting,
-    Status, Store,
+    DecisionMaps, Drape, LogError, LogReader, LogWriter, Options, RunHeader, Setting, Status, Store,
 };
 
 /// Where a mission's files lie among a log's attachments.
@@ -51,13 +51,12 @@ pub enum ReplayError {
         status: Status,
     },
     /// There is no plane of that name.
-    #[error(
-        "no plane is called `{name}`; there are interest, ignorance, paradox, conflict, contradiction, prize, hazard, the \
-         mission's layers, and these with -u for their uncertainty"
-    )]
+    #[error("no plane is called `{name}`; there are {}", known.join(", "))]
     NoPlane {
         /// The name.
         name: String,
+        /// Those there are.
+        known: Vec<String>,
     },
     /// A log cannot be decided again under another mission.
     #[error("the log does not fit the changed mission: {what}")]
@@ -209,63 +208,6 @@ pub(crate) fn mission_files(log: &LogReader) -> BTreeMap<String, Vec<u8>> {
     files
         .filter_map(|a| Some((a.name.strip_prefix(MISSION_FOLDER)?.to_owned(), a.data.clone())))
         .collect()
-}
-
-/// A decision of the past with what it was made from.
-#[derive(Debug, Clone)]
-pub struct Past {
-    /// The decision, derived again.
-    pub decision: Decision,
-    /// The core right after it: its maps and deliberation are those of the decision.
-    pub rover: Autonomy,
-    /// Goals achieved before it: their targets and names.
-    pub achieved: Vec<(Cell, String)>,
-}
-
-impl Past {
-    /// The maps the decision was made from.
-    ///
-    /// # Panics
-    /// Never: a core that has decided has maps.
-    #[must_use]
-    pub fn maps(&self) -> &Maps {
-        self.rover.maps().expect("a core that has decided has maps")
-    }
-}
-
-/// Derives a decision of a log again, with what it was made from; none if the log does not hold it. Every decision up to it
-/// is held against its record, so what is shown is what was logged.
-///
-/// # Errors
-/// [`ReplayError`] if the log's mission does not load, the core refuses a logged input, or a decision differs
-/// from its record.
-pub fn derive_at(log: &LogReader, number: u32) -> Result<Option<Past>, ReplayError> {
-    same_version(log)?;
-    let mission = mission_of(log)?;
-    let setting = Setting::from(&mission.spec);
-    let mut rover = Autonomy::new(mission.spec)?;
-    let mut achieved = Vec::new();
-    for entry in &log.entries {
-        match entry {
-            Entry::Observation(logged) => rover.observe(&Observation::try_from(logged)?)?,
-            Entry::Message(logged) => rover.hear(&Message::try_from(logged)?)?,
-            Entry::Fault(_) => {}
-            Entry::Outcome(logged) => rover.report(&Outcome::try_from(logged)?)?,
-            Entry::Decision(logged) => {
-                let decision = rover.decide()?;
-                let derived = record::Decision::of(&decision, &setting);
-                if let Some(difference) = first_difference(logged, &derived) {
-                    return Err(ReplayError::Differs(Box::new(difference)));
-                }
-                if decision.number == number {
-                    return Ok(Some(Past { decision, rover, achieved }));
-                }
-                let done = decision.verdicts.iter().filter(|v| v.action == Action::Achieve);
-                achieved.extend(done.map(|v| (v.goal.target, v.goal.id.to_string())));
-            }
-        }
-    }
-    Ok(None)
 }
 
 /// The causal links of the sequence that a decision chose, in the DOT language.

@@ -1,7 +1,6 @@
 //! Whether a log holds what its inputs lead to, at four levels.
 
 mod invariants;
-mod planes;
 mod simulated;
 
 use std::borrow::Cow;
@@ -14,12 +13,11 @@ use wisdom_mission::Mission;
 use crate::compare::{Difference, MapDifference, first_difference};
 use crate::record::{self, CHAIN_START, DECISION_VERSION, hex};
 use crate::{
-    Entry, LogError, LogReader, Reel, ReplayError, Setting, Status, check, mission_of, topic,
+    Entry, LogError, LogReader, Reel, ReplayError, Setting, Status, check, mission_of, plane, topic,
 };
 
 use invariants::Watcher;
 pub use invariants::{Breach, INVARIANTS};
-pub use planes::{is_plane, plane};
 
 /// Every map topic begins so.
 const MAPS: &str = "/map/";
@@ -311,13 +309,13 @@ impl<'a> Derivation<'a> {
                 written.push((topic.trim_start_matches(MAPS), Cow::Owned(log.map(topic, number)?)));
             }
             for (name, written) in written {
-                let Some(plane) = plane(derived, name) else { continue };
+                let Some(plane) = plane(&self.rover, name) else { continue };
                 if written.spec() != plane.spec() {
                     let said = |raster: &Raster<f32>| raster.spec().window().to_string();
-                    let (left, right) = (said(&written), said(plane));
+                    let (left, right) = (said(&written), said(&plane));
                     return Ok(Some(Difference::told(number, "fusion", name, left, right)));
                 }
-                maps.extend(MapDifference::between(name, &written, plane));
+                maps.extend(MapDifference::between(name, &written, &plane));
                 found.maps += u32::from(maps.is_empty());
             }
         }

@@ -6,13 +6,23 @@ import { chromium } from "playwright-core";
 
 export const page = readFileSync(new URL("../dist/index.html", import.meta.url));
 
-/** Serves the page at / and logs, by ranges, at /log and /log-b. */
+/** The page with a block in it, right before the place that it draws in. */
+const withBlock = (block) => page.toString().replace('<div id="app">', () => `${block}<div id="app">`);
+
+/** The page as a server hands it out, with the word where its logs are. */
+const told = (...names) => {
+  const side = (name, i) => [["a", "b"][i], { name, log: `${["a", "b"][i]}/log`, derived: `${["a", "b"][i]}/derived` }];
+  return withBlock(`<script type="application/json" id="served">${JSON.stringify(Object.fromEntries(names.map(side)))}</script>`);
+};
+
+/** Serves the bare page at /, with a log at /one/, with two at /two/; logs by ranges. */
 export const serve = (log, beside) =>
   new Promise((resolve) => {
+    const pages = { "/": page, "/one/": told("run.mcap"), "/two/": told("run.mcap", "other.mcap") };
     const server = createServer((request, response) => {
       const { pathname } = new URL(request.url, "http://localhost");
-      if (pathname === "/") return response.writeHead(200, { "Content-Type": "text/html" }).end(page);
-      const bytes = { "/log": log, "/log-b": beside }[pathname];
+      if (pages[pathname]) return response.writeHead(200, { "Content-Type": "text/html" }).end(pages[pathname]);
+      const bytes = { a: log, b: beside }[/^\/(?:one|two)\/([ab])\/log$/.exec(pathname)?.[1]];
       if (!bytes) return response.writeHead(404).end();
       const range = /bytes=(\d+)-(\d+)/.exec(request.headers.range ?? "");
       if (!range) return response.writeHead(200).end(bytes);
@@ -23,10 +33,7 @@ export const serve = (log, beside) =>
   });
 
 /** The page with a log inside, as it is mailed. */
-export const inlined = (log, name) =>
-  page
-    .toString()
-    .replace("</body>", () => `<script type="application/octet-stream;base64" id="log" data-name="${name}">${log.toString("base64")}</script></body>`);
+export const inlined = (log, name) => withBlock(`<script type="application/octet-stream;base64" id="log" data-name="${name}">${log.toString("base64")}</script>`);
 
 export const browser = () =>
   chromium.launch({

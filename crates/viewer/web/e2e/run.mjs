@@ -43,7 +43,8 @@ const proves = async (what, body) => {
 const shoot = async (tab, name) => shots && (await tab.waitForTimeout(200), tab.screenshot({ path: join(shots, `${name}.png`) }));
 const title = (tab) => tab.locator(".title h2").innerText();
 const drawn = (tab, number) => tab.waitForFunction((n) => document.documentElement.dataset.drawn === String(n), number);
-const served = `${server.url}?log=/log`;
+const served = `${server.url}one/`;
+const two = `${server.url}two/`;
 
 await proves("a served log opens, and asks nobody else for anything", async (at) => {
   const { tab, asked } = await at(served);
@@ -217,7 +218,7 @@ await proves("text of a log is never markup", async (at) => {
 });
 
 await proves("two runs stand side by side under one cursor", async (at) => {
-  const { tab } = await at(`${served}&b=/log-b`);
+  const { tab } = await at(two);
   await ready(tab);
   await tab.waitForFunction(() => document.documentElement.dataset.other === "true");
   await tab.waitForSelector(".page-other .sides");

@@ -6,6 +6,7 @@ import { stateOf } from "../model/states";
 import type { GoalState } from "../model/states";
 import type { Plane } from "../model/plane";
 import type { Cell, Moment } from "../model/types";
+import { FlatSurface, token } from "./canvas";
 import { OKABE } from "./colour";
 import { filled, markPath2d, stateColour } from "./marks";
 import { paint } from "./paint";
@@ -62,7 +63,7 @@ const LEAST_SCALE = 0.4;
 const MOST_SCALE = 80;
 
 export class MapView {
-  readonly canvas: HTMLCanvasElement;
+  private readonly surface: FlatSurface;
   private readonly context: CanvasRenderingContext2D;
   /** The planes of both runs as pictures. */
   private readonly pictures: Picture[] = [newPicture(), newPicture()];
@@ -72,18 +73,18 @@ export class MapView {
   private x = 0;
   private y = 0;
   private fitted = true;
-  private waiting = false;
   private marks: Mark[] = [];
 
   constructor(
-    canvas: HTMLCanvasElement,
+    readonly canvas: HTMLCanvasElement,
     private readonly handlers: MapHandlers,
   ) {
-    this.canvas = canvas;
-    const context = canvas.getContext("2d");
-    if (!context) throw new Error("this browser draws no canvas");
-    this.context = context;
-    new ResizeObserver(() => this.resize()).observe(canvas);
+    this.surface = new FlatSurface(
+      canvas,
+      () => this.draw(),
+      () => this.fitted && this.fit(),
+    );
+    this.context = this.surface.context;
     this.listen();
   }
 
@@ -136,31 +137,12 @@ export class MapView {
     return (this.scene?.run.facts.grid.spacingM ?? 1) / this.scale;
   }
 
-  private resize(): void {
-    const ratio = window.devicePixelRatio || 1;
-    const [width, height] = [Math.round(this.canvas.clientWidth * ratio), Math.round(this.canvas.clientHeight * ratio)];
-    if (this.canvas.width === width && this.canvas.height === height) return;
-    this.canvas.width = width;
-    this.canvas.height = height;
-    if (this.fitted) this.fit();
-    // At once: a resized canvas is empty.
-    this.draw();
-  }
-
   redraw(): void {
-    if (this.waiting) return;
-    this.waiting = true;
-    requestAnimationFrame(() => {
-      this.waiting = false;
-      this.draw();
-    });
+    this.surface.redraw();
   }
 
   private draw(): void {
-    const { scene, context } = this;
-    const ratio = window.devicePixelRatio || 1;
-    context.setTransform(ratio, 0, 0, ratio, 0, 0);
-    context.clearRect(0, 0, this.canvas.clientWidth, this.canvas.clientHeight);
+    const { scene } = this;
     if (!scene) return;
     // The second run first: marks that can be picked are those of the last drawn, which is the first run.
     if (scene.other) this.half({ ...scene, ...scene.other, goal: undefined, option: undefined }, 1);
@@ -483,6 +465,3 @@ export class MapView {
     this.handlers.probe({ row: within(from.row + dy, rows), col: within(from.col + dx, cols) });
   }
 }
-
-/** A colour of the page's theme. */
-const token = (name: string): string => getComputedStyle(document.documentElement).getPropertyValue(name).trim();

@@ -30,6 +30,8 @@ import { range } from "../model/plane";
 import type { Plane } from "../model/plane";
 import { stateOf } from "../model/states";
 import type { Cell } from "../model/types";
+import { Surface } from "./canvas";
+import type { Size } from "./canvas";
 import { OKABE } from "./colour";
 import type { MapScene } from "./map";
 import { stateColour } from "./marks";
@@ -45,6 +47,7 @@ const MOST_CORNERS = 512;
 const GOOD_HEIGHT = 0.08;
 
 export class SolidView {
+  private readonly surface: Surface;
   private readonly renderer: WebGLRenderer;
   private readonly scene = new Scene();
   private readonly camera = new PerspectiveCamera(38, 1, 0.001, 20);
@@ -56,20 +59,19 @@ export class SolidView {
   private shown: SolidScene | undefined;
   private stretch = 1;
   private lowest = 0;
-  private waiting = false;
 
-  constructor(private readonly canvas: HTMLCanvasElement) {
+  constructor(canvas: HTMLCanvasElement) {
     this.renderer = new WebGLRenderer({ canvas, antialias: true, alpha: true, preserveDrawingBuffer: true });
     this.texture.colorSpace = SRGBColorSpace;
     this.texture.magFilter = NearestFilter;
     this.texture.minFilter = LinearMipmapLinearFilter;
     this.texture.anisotropy = 8;
     this.scene.add(this.ground, this.marks);
+    this.surface = new Surface(canvas, (size) => this.draw(size));
     this.controls = new OrbitControls(this.camera, canvas);
     this.controls.maxPolarAngle = Math.PI * 0.49;
     canvas.addEventListener("keydown", (event) => this.key(event));
     this.controls.addEventListener("change", () => this.redraw());
-    new ResizeObserver(() => this.redraw()).observe(canvas);
     this.fit();
   }
 
@@ -103,18 +105,15 @@ export class SolidView {
   }
 
   redraw(): void {
-    if (this.waiting) return;
-    this.waiting = true;
-    requestAnimationFrame(() => {
-      this.waiting = false;
-      const [width, height] = [this.canvas.clientWidth, this.canvas.clientHeight];
-      if (width === 0 || height === 0) return;
-      this.renderer.setPixelRatio(window.devicePixelRatio || 1);
-      this.renderer.setSize(width, height, false);
-      this.camera.aspect = width / height;
-      this.camera.updateProjectionMatrix();
-      this.renderer.render(this.scene, this.camera);
-    });
+    this.surface.redraw();
+  }
+
+  private draw({ width, height, ratio }: Size): void {
+    this.renderer.setPixelRatio(ratio);
+    this.renderer.setSize(width, height, false);
+    this.camera.aspect = width / height;
+    this.camera.updateProjectionMatrix();
+    this.renderer.render(this.scene, this.camera);
   }
 
   /** On the focused view: + − 0, and Shift and arrows to turn; arrows alone are the page's. */

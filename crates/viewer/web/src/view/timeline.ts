@@ -5,6 +5,8 @@ import type { Life } from "../model/lives";
 import type { Run } from "../model/run";
 import type { Axis } from "../state";
 import { clock, goalName } from "../ui/format";
+import { FlatSurface } from "./canvas";
+import type { Size } from "./canvas";
 import { OKABE } from "./colour";
 import { markPath2d, stateColour } from "./marks";
 
@@ -42,21 +44,23 @@ const RESULTS: Record<string, { colour: string; shape: "square" | "ring" | "cros
 };
 
 export class TimelineView {
+  private readonly surface: FlatSurface;
   private readonly context: CanvasRenderingContext2D;
   private scene: TimelineScene | undefined;
   private lanes: Life[] = [];
   private lanesOf = -1;
   private scrolled = 0;
-  private waiting = false;
 
   constructor(
     readonly canvas: HTMLCanvasElement,
     private readonly handlers: TimelineHandlers,
   ) {
-    const context = canvas.getContext("2d");
-    if (!context) throw new Error("this browser draws no canvas");
-    this.context = context;
-    new ResizeObserver(() => this.resize()).observe(canvas);
+    this.surface = new FlatSurface(
+      canvas,
+      (size) => this.draw(size),
+      () => this.scroll(0),
+    );
+    this.context = this.surface.context;
     this.listen();
   }
 
@@ -73,20 +77,7 @@ export class TimelineView {
   }
 
   redraw(): void {
-    if (this.waiting) return;
-    this.waiting = true;
-    requestAnimationFrame(() => {
-      this.waiting = false;
-      this.draw();
-    });
-  }
-
-  private resize(): void {
-    const ratio = window.devicePixelRatio || 1;
-    this.canvas.width = Math.round(this.canvas.clientWidth * ratio);
-    this.canvas.height = Math.round(this.canvas.clientHeight * ratio);
-    this.scroll(0);
-    this.draw();
+    this.surface.redraw();
   }
 
   /** Where a decision begins; the one after the last is where the log ends. */
@@ -110,12 +101,8 @@ export class TimelineView {
     return this.x(index) + part * (this.x(index + 1) - this.x(index));
   }
 
-  private draw(): void {
-    const { context, canvas, scene } = this;
-    const ratio = window.devicePixelRatio || 1;
-    const [width, height] = [canvas.clientWidth, canvas.clientHeight];
-    context.setTransform(ratio, 0, 0, ratio, 0, 0);
-    context.clearRect(0, 0, width, height);
+  private draw({ height }: Size): void {
+    const { context, scene } = this;
     if (!scene || scene.run.moments.length === 0) return;
     const style = getComputedStyle(document.documentElement);
     const token = (name: string): string => style.getPropertyValue(name).trim();

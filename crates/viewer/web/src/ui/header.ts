@@ -1,0 +1,82 @@
+// The head of the page: what run this is, how whole its file is, and what can be done with it.
+
+import type { Run } from "../model/run";
+import { h } from "./dom";
+import { bytes } from "./format";
+
+export interface HeaderHandlers {
+  png(): void;
+  csv(): void;
+  open(): void;
+  compare(): void;
+  theme(): void;
+  help(): void;
+}
+
+export class Header {
+  readonly element: HTMLElement;
+  private readonly facts = h("div", { class: "facts-line" });
+
+  constructor(handlers: HeaderHandlers) {
+    this.element = h(
+      "header",
+      {},
+      h("h1", {}, "Wisdom"),
+      this.facts,
+      h(
+        "div",
+        { class: "actions" },
+        h("button", { type: "button", title: "Save the map as PNG", onclick: handlers.png }, "PNG"),
+        h("button", { type: "button", title: "Goals of this decision as CSV", onclick: handlers.csv }, "CSV"),
+        h("button", { type: "button", title: "Open a log (o)", onclick: handlers.open }, "Open…"),
+        h("button", { type: "button", title: "Open a second log beside this one (c), or drop it with Shift", onclick: handlers.compare }, "Compare…"),
+        h("button", { type: "button", title: "Light or dark (d)", "aria-label": "Light or dark", onclick: handlers.theme }, "◐"),
+        h("button", { type: "button", title: "Keys (?)", "aria-label": "Keys", onclick: handlers.help }, "?"),
+      ),
+    );
+  }
+
+  show(run: Run, other: Run | undefined): void {
+    const { run: facts, name, bytes: size } = run.facts;
+    const whole = run.wholeness.kind;
+    const parts = [
+      h("b", { class: "mission" }, facts.mission ?? name),
+      h("span", { class: `pill ${whole}` }, state(run)),
+      fact("rule", facts.rule),
+      fact("policy", facts.policy),
+      fact("prize", facts.prize),
+      fact("seed", facts.seed),
+      fact("wisdom", facts.version),
+      fact("file", `${name}, ${bytes(size)}`),
+      fact("B", other?.facts.name),
+      // Last, because it may be long.
+      fact("overrides", facts.overrides?.replaceAll("\n", ", ")),
+    ];
+    this.facts.replaceChildren(...parts.filter((part) => part !== undefined));
+    document.title = `${facts.mission ?? name}: Wisdom replay`;
+  }
+
+  /** How far reading is: a banner that comes and goes would push the map about. */
+  progress(run: Run): void {
+    const pill = this.facts.querySelector(".pill");
+    if (pill) pill.textContent = `reading, ${Math.round((100 * run.readBytes) / Math.max(1, run.facts.bytes))} %`;
+  }
+}
+
+const fact = (label: string, value: string | undefined): HTMLElement | undefined =>
+  value ? h("span", { class: "fact", title: value }, h("span", { class: "label" }, label), value) : undefined;
+
+const state = (run: Run): string => {
+  switch (run.wholeness.kind) {
+    case "whole":
+      return `complete, ${run.end["end.status"] ?? "ended"}`;
+    case "reading":
+      return "reading …";
+    case "unfinished":
+      return "did not end";
+    case "cut":
+      return "cut short";
+    case "damaged":
+      return "damaged";
+  }
+};
