@@ -283,11 +283,14 @@ export class App {
   }
 
   private focusGoals(what?: string): void {
-    this.store.set({ tab: "goals" });
-    requestAnimationFrame(() => {
+    const focus = (): void => {
       if (what) this.panel.goals.element.querySelector<HTMLElement>(what)?.focus();
       else this.panel.goals.focus();
-    });
+    };
+    // At once where the table is in sight: the next key must find it.
+    if (this.store.view.tab === "goals") return focus();
+    this.store.set({ tab: "goals" });
+    requestAnimationFrame(focus);
   }
 
   private savePng(): void {
