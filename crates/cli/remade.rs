@@ -4,6 +4,7 @@ use std::borrow::Cow;
 use std::collections::{BTreeMap, VecDeque};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
 
 use serde_json::{Value, json};
 use wisdom_autonomy::Spec;
@@ -26,7 +27,7 @@ struct Kept {
     plane: Arc<Raster<f32>>,
 }
 
-/// The decisions of one log, for the viewer. The log is read when the viewer first asks.
+/// The decisions of one log, for the viewer. The log is read when it is first asked for.
 pub(crate) struct OfLog {
     path: PathBuf,
     deriver: Mutex<Option<Result<Deriver<Arc<LogReader>>, String>>>,
@@ -56,6 +57,17 @@ impl OfLog {
             log.and_then(|log| Deriver::new(Arc::new(log))).map_err(|error| error.to_string())
         });
         made.as_mut().map_or_else(|why| Err(Refusal::Failed(why.clone())), what)
+    }
+
+    /// Goes through the decisions once, so that each is near one that is kept when it is asked for.
+    pub(crate) fn go_through(&self) {
+        for decision in 0.. {
+            if self.past(decision).is_err() {
+                break;
+            }
+            // Whoever asks meanwhile gets the lock before this goes on.
+            std::thread::sleep(Duration::from_millis(2));
+        }
     }
 
     fn past(&self, decision: u32) -> Result<Arc<Past>, Refusal> {

@@ -60,7 +60,10 @@ pub(crate) fn run(args: &ViewArgs) -> anyhow::Result<ExitCode> {
 
 fn shown(path: &Path) -> anyhow::Result<Shown> {
     check(path)?;
-    Ok(Shown { name: name(path), log: path.to_path_buf(), remade: Arc::new(OfLog::new(path)) })
+    let remade = Arc::new(OfLog::new(path));
+    let ahead = Arc::clone(&remade);
+    std::thread::spawn(move || ahead.go_through());
+    Ok(Shown { name: name(path), log: path.to_path_buf(), remade })
 }
 
 /// What a log is called on the page.

@@ -1,6 +1,6 @@
 //! Decisions of the past, derived again one by one and in any order.
 
-use std::collections::VecDeque;
+use std::collections::{BTreeMap, VecDeque};
 use std::ops::Deref;
 use std::sync::Arc;
 
@@ -12,8 +12,9 @@ use crate::compare::first_difference;
 use crate::replay::same_version;
 use crate::{Entry, LogReader, ReplayError, Setting, mission_of, record};
 
-/// Decisions kept to go on from: each holds its maps, on a large ground some ten megabytes.
-const KEPT: usize = 8;
+/// Cells of the decisions kept along the way, and of those asked for last. Each holds its maps, some two hundred bytes a
+/// cell.
+const KEPT_CELLS: usize = 1 << 20;
 
 /// A decision of the past with what it was made from.
 #[derive(Debug, Clone)]
@@ -37,15 +38,26 @@ impl Past {
     }
 }
 
-/// Derives decisions of a log again, whichever is asked for; goes on from those asked for last. `L` points at the log:
-/// a reference, or an `Arc` of it.
+/// Derives decisions of a log again, whichever is asked for. It goes on from the nearest one kept: some along the way, evenly
+/// spread, and those asked for last. `L` points at the log: a reference, or an `Arc` of it.
 #[derive(Debug)]
 pub struct Deriver<L> {
     log: L,
     setting: Setting,
     start: Autonomy,
-    /// Decisions with the place of the entry after each; those asked for last at the end.
-    kept: VecDeque<(usize, Arc<Past>)>,
+    /// Decisions between those kept along the way.
+    stride: u32,
+    landmarks: BTreeMap<u32, Kept>,
+    /// Those asked for last at the end.
+    recent: VecDeque<Kept>,
+}
+
+/// A decision to go on from.
+#[derive(Debug, Clone)]
+struct Kept {
+    /// The place of the entry after it.
+    next: usize,
+    past: Arc<Past>,
 }
 
 impl<L: Deref<Target = LogReader>> Deriver<L> {
@@ -57,8 +69,11 @@ impl<L: Deref<Target = LogReader>> Deriver<L> {
         same_version(&log)?;
         let mission = mission_of(&log)?;
         let setting = Setting::from(&mission.spec);
+        let landmarks = (KEPT_CELLS / setting.grid.len()).clamp(1, 8);
+        let stride = log.decisions().count().div_ceil(landmarks).max(1) as u32;
         let start = Autonomy::new(mission.spec)?;
-        Ok(Self { log, setting, start, kept: VecDeque::new() })
+        let (landmarks, recent) = (BTreeMap::new(), VecDeque::new());
+        Ok(Self { log, setting, start, stride, landmarks, recent })
     }
 
     /// The core before anything was logged; its spec is the mission's.
@@ -73,14 +88,16 @@ impl<L: Deref<Target = LogReader>> Deriver<L> {
     /// # Errors
     /// [`ReplayError`] if the core refuses a logged input, or a decision differs from its record.
     pub fn at(&mut self, number: u32) -> Result<Option<Arc<Past>>, ReplayError> {
-        let before = |(_, past): &&(usize, Arc<Past>)| past.decision.number <= number;
-        let nearest = self.kept.iter().filter(before).max_by_key(|(_, past)| past.decision.number);
+        let landmark = self.landmarks.range(..=number).next_back().map(|(_, kept)| kept);
+        let recent = self.recent.iter().filter(|kept| kept.past.decision.number <= number);
+        let nearest = recent.chain(landmark).max_by_key(|kept| kept.past.decision.number);
         let (next, mut rover, mut achieved) = match nearest.cloned() {
-            Some((next, past)) if past.decision.number == number => {
-                self.keep(next, &past);
+            Some(kept) if kept.past.decision.number == number => {
+                let past = Arc::clone(&kept.past);
+                self.keep(kept);
                 return Ok(Some(past));
             }
-            Some((next, past)) => (next, past.rover.clone(), achieved_by(&past)),
+            Some(Kept { next, past }) => (next, past.rover.clone(), achieved_by(&past)),
             None => (0, self.start.clone(), Vec::new()),
         };
         for (place, entry) in self.log.entries.iter().enumerate().skip(next) {
@@ -95,24 +112,40 @@ impl<L: Deref<Target = LogReader>> Deriver<L> {
                     if let Some(difference) = first_difference(logged, &derived) {
                         return Err(ReplayError::Differs(Box::new(difference)));
                     }
-                    if decision.number == number {
+                    let here = decision.number;
+                    if here == number {
                         let past = Arc::new(Past { decision, rover, achieved });
-                        self.keep(place + 1, &past);
+                        self.keep(Kept { next: place + 1, past: Arc::clone(&past) });
                         return Ok(Some(past));
                     }
-                    achieved.extend(achieved_at(&decision));
+                    let done: Vec<_> = achieved_at(&decision).collect();
+                    if self.is_landmark(here) {
+                        let (rover, achieved) = (rover.clone(), achieved.clone());
+                        let past = Arc::new(Past { decision, rover, achieved });
+                        self.landmarks.insert(here, Kept { next: place + 1, past });
+                    }
+                    achieved.extend(done);
                 }
             }
         }
         Ok(None)
     }
 
-    fn keep(&mut self, next: usize, past: &Arc<Past>) {
-        self.kept.retain(|(_, kept)| kept.decision.number != past.decision.number);
-        if self.kept.len() == KEPT {
-            self.kept.pop_front();
+    fn is_landmark(&self, number: u32) -> bool {
+        number > 0 && number.is_multiple_of(self.stride) && !self.landmarks.contains_key(&number)
+    }
+
+    fn keep(&mut self, kept: Kept) {
+        let number = kept.past.decision.number;
+        if self.is_landmark(number) {
+            self.landmarks.insert(number, kept.clone());
         }
-        self.kept.push_back((next, Arc::clone(past)));
+        self.recent.retain(|kept| kept.past.decision.number != number);
+        let cells = kept.past.maps().interest.interest.spec().len();
+        while self.recent.len() >= (KEPT_CELLS / cells).clamp(2, 4) {
+            self.recent.pop_front();
+        }
+        self.recent.push_back(kept);
     }
 }
 
