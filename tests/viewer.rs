@@ -207,6 +207,7 @@ fn price_tags_are_those_that_explain_prints() {
     let explained: Value = serde_json::from_slice(&explained.stdout).expect("JSON");
     assert!(!told["left_out"].as_array().expect("goals").is_empty());
     assert_eq!(told["left_out"], explained["left_out"]);
+    assert!(told["limits"]["energy_j"].is_number() && told["limits"] == explained["limits"]);
 }
 
 #[test]

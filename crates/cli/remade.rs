@@ -135,7 +135,7 @@ impl OfLog {
         if let Some(known) = lock().get(&decision) {
             return Ok(known.clone());
         }
-        let told = json!({ "left_out": explain::left_out(&*self.past(decision)?) });
+        let told = explain::left_out(&*self.past(decision)?);
         lock().insert(decision, told.clone());
         Ok(told)
     }

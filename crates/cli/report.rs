@@ -199,7 +199,7 @@ fn taken_in(
             families.insert(number.to_string(), remade::family(&past));
         }
         if priced {
-            prices.insert(number.to_string(), json!({ "left_out": explain::left_out(&past) }));
+            prices.insert(number.to_string(), explain::left_out(&past));
         }
         bar.inc(1);
     }

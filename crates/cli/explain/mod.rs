@@ -102,16 +102,12 @@ pub(crate) fn run(args: &ExplainArgs) -> anyhow::Result<ExitCode> {
     let mut out = std::io::BufWriter::new(std::io::stdout().lock());
     if args.json {
         let goals: Vec<Value> = told.iter().map(|t| as_json(t, spec)).collect();
-        let limits = decided.limits;
         let way = args.why_not.and(told.first()).and_then(|t| best_way(decided, spec, t));
         let object = json!({
             "log": args.log.display().to_string(),
             "decision": number,
             "triggers": record.triggers,
-            "limits": {
-                "energy_j": limits.energy_j, "time_s": limits.time_s, "data_mb": limits.data_mb,
-                "min_reliability": limits.min_reliability,
-            },
+            "limits": limits_of(decided),
             "chosen": names(past.decision.plan().sequence.goals()),
             "left_out": goals,
             "with_it": way.map(|way| json!({
@@ -138,12 +134,24 @@ pub(crate) fn run(args: &ExplainArgs) -> anyhow::Result<ExitCode> {
     Ok(crate::exit::of_log(&log))
 }
 
-/// The price tags of all goals that a decision left out, each taken again, as `--json` prints them.
-pub(crate) fn left_out(past: &Past) -> Vec<Value> {
+/// The price tags of all goals that a decision left out, each taken again, and the limits it was taken under, as `--json`
+/// prints them.
+pub(crate) fn left_out(past: &Past) -> Value {
     let prices = past.rover.price_tags();
     let confirmations = past.rover.confirmed(&prices);
     let spec = past.rover.spec();
-    told(prices, confirmations).iter().map(|told| as_json(told, spec)).collect()
+    let goals: Vec<Value> =
+        told(prices, confirmations).iter().map(|told| as_json(told, spec)).collect();
+    let decided = past.rover.deliberation().expect("a core that has decided has deliberated");
+    json!({ "limits": limits_of(decided), "left_out": goals })
+}
+
+fn limits_of(decided: &Deliberation) -> Value {
+    let limits = decided.limits;
+    json!({
+        "energy_j": limits.energy_j, "time_s": limits.time_s, "data_mb": limits.data_mb,
+        "min_reliability": limits.min_reliability,
+    })
 }
 
 fn told(prices: Vec<GoalPrice>, confirmations: Vec<Confirmation>) -> Vec<Told> {

@@ -29,7 +29,7 @@ pub enum Asked {
         /// The decision.
         decision: u32,
     },
-    /// The price tags of the goals that a decision left out: `{"left_out": []}`.
+    /// The price tags of the goals that a decision left out, and what was left to spend: `{"limits": {}, "left_out": []}`.
     Prices {
         /// The decision.
         decision: u32,
