@@ -158,6 +158,26 @@ fn every_topic_is_told_with_its_schema() {
 }
 
 #[test]
+fn every_plane_is_told() {
+    let document = document();
+    let section = section(&document, "## Planes");
+    let rows = section.lines().filter_map(|line| line.strip_prefix("| ")?.split(" | ").next());
+    let told: BTreeSet<String> =
+        rows.flat_map(|names| names.split(", ")).map(|name| name.replace('`', "")).collect();
+    let mission = Mission::load(&root().join("missions/paper"), &[]).expect("it loads");
+    let spec = &mission.spec;
+    let named = spec.layers.iter().map(|layer| &layer.name);
+    let names: Vec<&String> = named.chain(spec.experts.iter().map(|expert| &expert.name)).collect();
+    let general = |plane: String| {
+        let part = |name: &&&String| plane.split('-').any(|part| part == name.as_str());
+        names.iter().find(part).map_or_else(|| plane.clone(), |name| plane.replace(*name, "NAME"))
+    };
+    let all = wisdom_logbook::planes(spec).into_iter().map(|plane| general(plane.name));
+    let expected: BTreeSet<String> = all.chain(["plane", "---"].map(ToOwned::to_owned)).collect();
+    assert_eq!(told, expected);
+}
+
+#[test]
 fn every_metadata_key_of_a_run_is_told() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("empty.mcap");
