@@ -55,7 +55,8 @@ fn patches_and_digests_are_expanded_to_the_bytes_of_a_full_log() {
 
         let expanded = folder.path().join(format!("{mode}-expanded.mcap"));
         let mut told = 0;
-        expand(&log, &expanded, &[], &mut |_| told += 1).expect("it follows from its inputs");
+        expand(&log, &expanded, MapMode::Full, &[], &mut |_| told += 1)
+            .expect("it follows from its inputs");
         assert_eq!(told, decided(&log));
         assert!(fs::read(&expanded).expect("it is there") == full, "{mode}");
     }
@@ -83,23 +84,32 @@ fn other_planes_are_made_on_demand_and_an_unknown_one_leaves_nothing_behind() {
     let log = open(&run(folder.path(), MapMode::Digest));
     assert_eq!(log.maps().count(), 0);
     let to = folder.path().join("more.mcap");
-    let refused = expand(&log, &to, &["intrest".to_owned()], &mut |_| {}).expect_err("a slip");
+    let refused =
+        expand(&log, &to, MapMode::Full, &["intrest".to_owned()], &mut |_| {}).expect_err("a slip");
     assert!(refused.to_string().contains("`intrest`"), "{refused}");
     assert!(!to.exists() && !folder.path().join("more.mcap.part").exists());
 
-    let planes = ["ignorance".to_owned(), "temperature-u".to_owned()];
-    expand(&log, &to, &planes, &mut |_| {}).expect("they are planes");
-    let more = open(&to);
-    for number in 0..decided(&log) {
-        let past =
-            wisdom_logbook::derive_at(&log, number).expect("it follows").expect("it is there");
-        for name in &planes {
-            let written = more.map(&format!("/map/{name}"), number).expect("it was asked for");
-            let derived = wisdom_logbook::plane(&past.rover, name).expect("a plane");
-            assert!(written == *derived, "{name} of decision {number}");
+    let planes = ["ignorance", "temperature-u", "reliability", "credit-dem"].map(str::to_owned);
+    let mut sizes = Vec::new();
+    for maps in [MapMode::Full, MapMode::Patch] {
+        let to = folder.path().join(format!("{maps}.mcap"));
+        expand(&log, &to, maps, &planes, &mut |_| {}).expect("they are planes");
+        sizes.push(fs::metadata(&to).expect("it is there").len());
+        let more = open(&to);
+        let mut reels = planes.each_ref().map(|name| Reel::of(name));
+        for number in 0..decided(&log) {
+            let past =
+                wisdom_logbook::derive_at(&log, number).expect("it follows").expect("it is there");
+            for (name, reel) in planes.iter().zip(&mut reels) {
+                let written = reel.turn_to(&more, number).expect("they fit").expect("a plane");
+                let derived = wisdom_logbook::plane(&past.rover, name).expect("a plane");
+                assert!(*written == *derived, "{name} of decision {number}, {maps}");
+            }
         }
+        let verified = verify(&to, VerifyLevel::Redecide, &mut |_| {}).expect("it can be told");
+        assert!(verified.holds(), "{maps}");
     }
-    assert!(verify(&to, VerifyLevel::Redecide, &mut |_| {}).expect("it can be told").holds());
+    assert!(2 * sizes[1] < sizes[0], "patches save more than half: {sizes:?}");
 }
 
 #[test]
@@ -120,7 +130,7 @@ fn a_log_whose_run_did_not_end_is_expanded_to_one_that_says_so() {
     drop(log);
     let cut = open(&folder.path().join("cut.mcap.part"));
     let to = folder.path().join("expanded.mcap");
-    expand(&cut, &to, &[], &mut |_| {}).expect("what there is follows");
+    expand(&cut, &to, MapMode::Full, &[], &mut |_| {}).expect("what there is follows");
     let expanded = open(&to);
     assert!(matches!(expanded.status, Status::Truncated { .. }), "{:?}", expanded.status);
     assert_eq!(expanded.entries, cut.entries);

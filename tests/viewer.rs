@@ -9,7 +9,7 @@ use std::process::{Child, Command, Output, Stdio};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde_json::Value;
-use wisdom_logbook::{LogReader, VerifyLevel, derive_at, plane, verify};
+use wisdom_logbook::{LogReader, Reel, VerifyLevel, derive_at, plane, verify};
 
 fn sample(version: u32) -> PathBuf {
     let name = format!("logs/sample/paper-decisions-{version}.mcap");
@@ -311,8 +311,9 @@ fn a_report_with_more_inside_still_verifies_and_holds_what_was_asked_for() {
     for number in 0..log.decisions().count() as u32 {
         let past = derive_at(&log, number).expect("it follows").expect("it is there");
         for name in ["credit-dem", "reliability"] {
-            let logged = expanded.map(&format!("/map/{name}"), number).expect("it was asked for");
-            assert!(logged == *plane(&past.rover, name).expect("a plane"), "{name} of {number}");
+            let mut reel = Reel::of(name);
+            let logged = reel.turn_to(&expanded, number).expect("it fits").expect("asked for");
+            assert!(*logged == *plane(&past.rover, name).expect("a plane"), "{name} of {number}");
         }
     }
     let more: Value =

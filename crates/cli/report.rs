@@ -7,7 +7,7 @@ use std::process::ExitCode;
 use anyhow::Context;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::{Value, json};
-use wisdom_logbook::{Deriver, LogReader};
+use wisdom_logbook::{Deriver, LogReader, MapMode};
 use wisdom_viewer::{Page, Slot};
 
 use crate::exit::InputError;
@@ -180,6 +180,7 @@ fn taken_in(
         let made = wisdom_logbook::expand(
             &log,
             &folder.path().join("expanded.mcap"),
+            MapMode::Patch,
             &planes,
             &mut |_| bar.inc(1),
         )?;

@@ -6,12 +6,12 @@ use std::process::ExitCode;
 
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::json;
-use wisdom_logbook::LogReader;
+use wisdom_logbook::{LogReader, MapMode};
 
-/// Write a log again with the whole interest map at every decision, and further planes.
+/// Write a log again with the interest map at every decision, and further planes.
 ///
-/// The maps are derived from the logged inputs, and every decision is held against its record on the way: what comes out of a log
-/// of patches or digests (`wisdom run --maps`) is byte for byte what the run would have written with `--maps full`.
+/// The maps are derived from the logged inputs, and every decision is held against its record on the way: what comes out is byte for
+/// byte what the run would have written with the same `--maps`, and the planes besides.
 #[derive(clap::Args, Debug)]
 pub(crate) struct ExpandArgs {
     /// The log (NAME.mcap or NAME.mcap.part).
@@ -23,6 +23,9 @@ pub(crate) struct ExpandArgs {
     /// mass-ignorance-NAME, mass-paradox-NAME, credit-NAME.
     #[arg(long, value_name = "PLANES", value_delimiter = ',')]
     planes: Vec<String>,
+    /// Whole maps, or only what changed since the decision before.
+    #[arg(long, value_name = "MAPS", value_parser = ["full", "patch"], default_value = "full")]
+    maps: String,
     /// Print one JSON object instead of text.
     #[arg(long)]
     json: bool,
@@ -34,7 +37,8 @@ pub(crate) fn run(args: &ExpandArgs) -> anyhow::Result<ExitCode> {
     let shown = !args.json && std::io::stderr().is_terminal();
     let bar = if shown { ProgressBar::new(count as u64) } else { ProgressBar::hidden() };
     bar.set_style(ProgressStyle::with_template("{bar:30} {pos} of {len} decisions  {elapsed}")?);
-    let made = wisdom_logbook::expand(&log, &args.out, &args.planes, &mut |_| bar.inc(1))?;
+    let maps = if args.maps == "patch" { MapMode::Patch } else { MapMode::Full };
+    let made = wisdom_logbook::expand(&log, &args.out, maps, &args.planes, &mut |_| bar.inc(1))?;
     bar.finish_and_clear();
     let bytes = std::fs::metadata(&made)?.len();
     let mut out = std::io::stdout().lock();

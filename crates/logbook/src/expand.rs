@@ -1,4 +1,4 @@
-//! Every map of a log made again.
+//! The maps of a log made again.
 
 use std::path::{Path, PathBuf};
 
@@ -11,10 +11,10 @@ use crate::{
     first_difference, is_plane, mission_of, plane, planes as planes_of, record,
 };
 
-/// Writes a log again with whole maps at every decision: those that a log of mode [`MapMode::Full`] holds, and further
-/// `planes` ([`plane`]). They are derived from the logged inputs and held against the decisions, so what comes out of a
-/// log of patches or digests is byte for byte what a run that logged whole maps would have written. A log whose run did
-/// not end gives one that says so. `progress` is told of every decision.
+/// Writes a log again with maps at every decision: those that a log of that mode holds, and further `planes`
+/// ([`plane`]), whole or in patches likewise. They are derived from the logged inputs and held against the decisions, so what
+/// comes out, but for the further planes, is byte for byte what a run in that mode would have written. A log whose run
+/// did not end gives one that says so. `progress` is told of every decision.
 ///
 /// # Errors
 /// [`ReplayError`] if the log's mission does not load, the log does not follow from its own inputs, a plane is not known, or
@@ -22,6 +22,7 @@ use crate::{
 pub fn expand(
     log: &LogReader,
     to: &Path,
+    maps: MapMode,
     planes: &[String],
     progress: &mut dyn FnMut(u32),
 ) -> Result<PathBuf, ReplayError> {
@@ -31,7 +32,7 @@ pub fn expand(
     }
     same_version(log)?;
     let rover = Autonomy::new(mission.spec.clone())?;
-    let options = Options { sync: SyncPolicy::End, maps: MapMode::Full };
+    let options = Options { sync: SyncPolicy::End, maps };
     let setting = Setting::from(&mission.spec);
     let writer = LogWriter::create(to, &header(log), setting, options)?;
     let made = write(log, rover, writer, planes, progress);

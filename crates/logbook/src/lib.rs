@@ -54,7 +54,8 @@ pub mod topic {
     pub const DECISION: &str = "/decision";
     /// The interest map of a decision: `foxglove.Grid`. Every other plane is `/map/` and its name.
     pub const INTEREST: &str = "/map/interest";
-    /// What changed of the interest map since the decision before, in a log of patches: `foxglove.Grid`.
+    /// What changed of the interest map since the decision before, in a log of patches: `foxglove.Grid`. Likewise for every
+    /// other plane.
     pub const PATCH: &str = "/map/interest/patch";
     /// The interest map draped over the ground, thinned: `foxglove.PointCloud`. Viewers draw a Grid flat or not at all.
     pub const CLOUD: &str = "/terrain/interest";
@@ -66,6 +67,25 @@ pub mod topic {
     pub const TRANSFORM: &str = "/tf";
     /// Triggers and changes, in words: `foxglove.Log`.
     pub const LOG: &str = "/log";
+    /// Where a plane goes.
+    #[must_use]
+    pub fn map_of(plane: &str) -> String {
+        format!("/map/{plane}")
+    }
+
+    /// Where what changed of a plane goes.
+    #[must_use]
+    pub fn patch_of(plane: &str) -> String {
+        format!("/map/{plane}/patch")
+    }
+
+    /// The plane whose map, or what changed of it, goes to a topic.
+    #[must_use]
+    pub fn plane_of(topic: &str) -> Option<&str> {
+        let plane = topic.strip_prefix("/map/")?;
+        Some(plane.strip_suffix("/patch").unwrap_or(plane))
+    }
+
     /// Every topic of these names; planes besides the interest are `/map/` and their name.
     pub const ALL: [&str; 12] = [
         OBSERVATION,

@@ -1,24 +1,38 @@
-//! The interest map of one decision after the other, from a log that may hold only what changed.
+//! A plane of one decision after the other, from a log that may hold only what changed.
 
 use wisdom_grid::Raster;
 
 use crate::{LogError, LogReader, topic};
 
-/// Goes through a log's interest maps in the order of the decisions. A whole map is read at most once.
-#[derive(Debug, Clone, Default)]
+/// Goes through a log's maps of one plane in the order of the decisions. A whole map is read at most once.
+#[derive(Debug, Clone)]
 pub struct Reel {
+    whole: String,
+    patch: String,
     next: u32,
     known: Option<Raster<f32>>,
 }
 
+impl Default for Reel {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
 impl Reel {
-    /// A reel before the first decision.
+    /// A reel of the interest before the first decision.
     #[must_use]
     pub fn new() -> Self {
-        Self::default()
+        Self::of("interest")
     }
 
-    /// The interest map of a decision as the log tells it; none if it tells of none. Turned back, it begins anew.
+    /// A reel of a plane, by its name.
+    #[must_use]
+    pub fn of(plane: &str) -> Self {
+        Self { whole: topic::map_of(plane), patch: topic::patch_of(plane), next: 0, known: None }
+    }
+
+    /// The plane at a decision as the log tells it; none if it tells of none. Turned back, it begins anew.
     ///
     /// # Errors
     /// As [`LogReader::map`]; [`LogError::Malformed`] if a patch lies where no map is.
@@ -28,20 +42,20 @@ impl Reel {
         decision: u32,
     ) -> Result<Option<&Raster<f32>>, LogError> {
         if decision < self.next {
-            *self = Self::new();
+            (self.next, self.known) = (0, None);
         }
         // What comes before the last whole map need not be read.
-        let from = log.decisions_with(topic::INTEREST, self.next..=decision).next_back();
+        let from = log.decisions_with(&self.whole, self.next..=decision).next_back();
         if let Some(from) = from {
-            self.known = Some(log.map(topic::INTEREST, from)?);
+            self.known = Some(log.map(&self.whole, from)?);
             self.next = from + 1;
         }
-        for at in log.decisions_with(topic::PATCH, self.next..=decision) {
-            let patch = log.map(topic::PATCH, at)?;
+        for at in log.decisions_with(&self.patch, self.next..=decision) {
+            let patch = log.map(&self.patch, at)?;
             let fits = |known: &Raster<f32>| known.spec().part(patch.spec().window()).is_ok();
             let Some(known) = self.known.as_mut().filter(|known| fits(known)) else {
                 return Err(LogError::Malformed {
-                    record: format!("{} of decision {at}", topic::PATCH),
+                    record: format!("{} of decision {at}", self.patch),
                     field: "pose.position".to_owned(),
                     found: patch.spec().window().to_string(),
                     limit: "a part of the map before it",

@@ -127,8 +127,8 @@ pub struct LogWriter<S: Store = PartFile> {
     chain: [u8; 32],
     decisions: u32,
     track: Vec<Cell>,
-    /// The interest map as a reader of the log knows it, and decisions since it was last written whole.
-    known: Option<(Raster<f32>, u32)>,
+    /// Each plane as a reader of the log knows it, and decisions since it was last written whole.
+    known: BTreeMap<String, (Raster<f32>, u32)>,
     /// Which map the last cloud of points showed: how often it had changed, and where it lies.
     draped: Option<(u64, GridSpec)>,
 }
@@ -172,7 +172,7 @@ impl<S: Store> LogWriter<S> {
             chain: CHAIN_START,
             decisions: 0,
             track: Vec::new(),
-            known: None,
+            known: BTreeMap::new(),
             draped: None,
         };
         writer.begin(header)?;
@@ -342,17 +342,17 @@ impl<S: Store> LogWriter<S> {
         if self.options.maps == MapMode::Digest {
             return Ok(());
         }
-        self.interest(number, maps.interest)?;
+        self.plane(number, "interest", maps.interest)?;
         for (name, plane) in maps.others {
-            self.map(&format!("/map/{name}"), number, plane)?;
+            self.plane(number, name, plane)?;
         }
         Ok(())
     }
 
-    /// The interest map, whole or what changed of it.
-    fn interest(&mut self, number: u32, plane: &Raster<f32>) -> Result<(), LogError> {
+    /// A plane, whole or what changed of it.
+    fn plane(&mut self, number: u32, name: &str, plane: &Raster<f32>) -> Result<(), LogError> {
         if self.options.maps == MapMode::Patch {
-            if let Some((known, since)) = &mut self.known
+            if let Some((known, since)) = self.known.get_mut(name)
                 && known.spec() == plane.spec()
                 && *since + 1 < KEY_EVERY
             {
@@ -363,17 +363,18 @@ impl<S: Store> LogWriter<S> {
                         known[cell] = plane[cell];
                     }
                     let part = plane.crop(changed).map_err(|_| LogError::GridMismatch {
-                        name: "interest".to_owned(),
+                        name: name.to_owned(),
                         found: plane.spec(),
                         expected: self.setting.grid,
                     })?;
                     let first = Cell::new(changed.row, changed.col);
-                    return self.map(topic::PATCH, number, &part.numbered_from(first));
+                    let topic = topic::patch_of(name);
+                    return self.map(&topic, number, &part.numbered_from(first));
                 }
             }
-            self.known = Some((plane.clone(), 0));
+            self.known.insert(name.to_owned(), (plane.clone(), 0));
         }
-        self.map(topic::INTEREST, number, plane)
+        self.map(&topic::map_of(name), number, plane)
     }
 
     fn map(&mut self, topic: &str, number: u32, plane: &Raster<f32>) -> Result<(), LogError> {

@@ -4,6 +4,7 @@ mod invariants;
 mod simulated;
 
 use std::borrow::Cow;
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use wisdom_autonomy::{Autonomy, AutonomyError, Decision, Message, Observation, Outcome};
@@ -13,14 +14,12 @@ use wisdom_mission::Mission;
 use crate::compare::{Difference, MapDifference, first_difference};
 use crate::record::{self, CHAIN_START, DECISION_VERSION, hex};
 use crate::{
-    Entry, LogError, LogReader, Reel, ReplayError, Setting, Status, check, mission_of, plane, topic,
+    Entry, LogError, LogReader, Reel, ReplayError, Setting, Status, check, is_plane, mission_of,
+    plane, topic,
 };
 
 use invariants::Watcher;
 pub use invariants::{Breach, INVARIANTS};
-
-/// Every map topic begins so.
-const MAPS: &str = "/map/";
 
 /// How much is checked. Each level checks what the ones before it do.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
@@ -215,6 +214,8 @@ struct Derivation<'a> {
     setting: Setting,
     watcher: Watcher<'a>,
     reel: Reel,
+    /// Those of further planes that the log holds.
+    others: BTreeMap<String, Reel>,
 }
 
 impl<'a> Derivation<'a> {
@@ -224,6 +225,7 @@ impl<'a> Derivation<'a> {
             setting: Setting::from(&mission.spec),
             watcher: Watcher::new(mission, log),
             reel: Reel::new(),
+            others: BTreeMap::new(),
         })
     }
 
@@ -301,12 +303,15 @@ impl<'a> Derivation<'a> {
             if let Some(difference) = promised(log, number) {
                 return Ok(Some(difference));
             }
-            let others = log.maps_of(number).filter(|topic| *topic != topic::INTEREST);
             let interest = self.reel.turn_to(log, number)?;
             let mut written: Vec<(&str, Cow<'_, Raster<f32>>)> = Vec::new();
             written.extend(interest.map(|plane| ("interest", Cow::Borrowed(plane))));
-            for topic in others {
-                written.push((topic.trim_start_matches(MAPS), Cow::Owned(log.map(topic, number)?)));
+            let others = log.maps_of(number).filter_map(topic::plane_of);
+            let spec = self.rover.spec();
+            for name in others.filter(|name| *name != "interest" && is_plane(spec, name)) {
+                let reel = self.others.entry(name.to_owned()).or_insert_with(|| Reel::of(name));
+                let plane = reel.turn_to(log, number)?;
+                written.extend(plane.map(|plane| (name, Cow::Owned(plane.clone()))));
             }
             for (name, written) in written {
                 let Some(plane) = plane(&self.rover, name) else { continue };
