@@ -4,6 +4,8 @@ import { createServer } from "node:http";
 import { readFileSync } from "node:fs";
 import { chromium } from "playwright-core";
 
+import { deriver } from "./derived.mjs";
+
 export const page = readFileSync(new URL("../dist/index.html", import.meta.url));
 
 /** The page with a block in it, right before the place that it draws in. */
@@ -15,13 +17,19 @@ const told = (...names) => {
   return withBlock(`<script type="application/json" id="served">${JSON.stringify(Object.fromEntries(names.map(side)))}</script>`);
 };
 
-/** Serves the bare page at /, with a log at /one/, with two at /two/; logs by ranges. */
-export const serve = (log, beside) =>
-  new Promise((resolve) => {
+/** Serves the bare page at /, with a log at /one/, with two at /two/; logs by ranges, and what is derived from them. */
+export const serve = async (log, beside) => {
+  const { derive, close } = await deriver([log, beside]);
+  return new Promise((resolve) => {
     const pages = { "/": page, "/one/": told("run.mcap"), "/two/": told("run.mcap", "other.mcap") };
-    const server = createServer((request, response) => {
+    const server = createServer(async (request, response) => {
       const { pathname } = new URL(request.url, "http://localhost");
       if (pages[pathname]) return response.writeHead(200, { "Content-Type": "text/html" }).end(pages[pathname]);
+      const [, side, derived] = /^\/(?:one|two)\/([ab])\/derived\/(.+)$/.exec(pathname) ?? [];
+      if (derived) {
+        const { status, type, body } = await derive(derived, side);
+        return response.writeHead(status, { "Content-Type": type }).end(body);
+      }
       const bytes = { a: log, b: beside }[/^\/(?:one|two)\/([ab])\/log$/.exec(pathname)?.[1]];
       if (!bytes) return response.writeHead(404).end();
       const range = /bytes=(\d+)-(\d+)/.exec(request.headers.range ?? "");
@@ -29,11 +37,16 @@ export const serve = (log, beside) =>
       const [from, to] = [Number(range[1]), Math.min(Number(range[2]), bytes.length - 1)];
       response.writeHead(206, { "Content-Range": `bytes ${from}-${to}/${bytes.length}` }).end(bytes.subarray(from, to + 1));
     });
-    server.listen(0, "127.0.0.1", () => resolve({ url: `http://127.0.0.1:${server.address().port}/`, close: () => server.close() }));
+    server.listen(0, "127.0.0.1", () => resolve({ url: `http://127.0.0.1:${server.address().port}/`, close: () => (close(), server.close()) }));
   });
+};
 
-/** The page with a log inside, as it is mailed. */
-export const inlined = (log, name) => withBlock(`<script type="application/octet-stream;base64" id="log" data-name="${name}">${log.toString("base64")}</script>`);
+/** The page with a log inside, as it is mailed, and what is derived from it. */
+export const inlined = (log, name, derived) =>
+  withBlock(
+    `<script type="application/octet-stream;base64" id="log" data-name="${name}">${log.toString("base64")}</script>` +
+      (derived ? `<script type="application/json" id="derived">${JSON.stringify(derived)}</script>` : ""),
+  );
 
 export const browser = () =>
   chromium.launch({

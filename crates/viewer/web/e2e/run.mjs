@@ -8,6 +8,7 @@ import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { pathToFileURL } from "node:url";
 
+import { ground } from "./ground.mjs";
 import { browser, inlined, ready, serve, visit } from "./house.mjs";
 
 const sample = readFileSync(new URL("../../../../logs/sample/paper-decisions-5.mcap", import.meta.url));
@@ -128,13 +129,13 @@ await proves("the pointer asks a cell for every layer", async (at) => {
   const box = await tab.locator("canvas.map").boundingBox();
   await tab.mouse.move(box.x + box.width * 0.65, box.y + box.height / 2);
   await tab.waitForFunction(() => {
-    const values = [...document.querySelectorAll(".readout dd")].map((one) => one.textContent);
+    const values = [...document.querySelectorAll(".readout .v")].map((one) => one.textContent);
     return values.length > 3 && !values.includes("…");
   });
   const told = await tab.locator(".readout").innerText();
   assert.match(told, /cell \(\d+, \d+\)/);
   assert.match(told, /interest\s+0?\.?\d/);
-  assert.match(told, /temperature as read/);
+  assert.match(told, /as read\s+u\s[^]*temperature\s/);
 });
 
 await proves("the map has the colours of its legend", async (at) => {
@@ -230,18 +231,19 @@ await proves("two runs stand side by side under one cursor", async (at) => {
   for (let i = 0; i < 4; i++) await tab.keyboard.press("[");
   await tab.waitForTimeout(300);
   assert.notEqual(await half(), before, "the wipe moves");
-  await tab.locator('select[aria-label="Layer"]').selectOption({ label: "interest, A less B" });
-  await tab.waitForFunction(() => document.querySelector(".legend").textContent.includes("A less that of B"));
+  await tab.locator('select[aria-label="Shown of the layer"]').selectOption({ label: "A less B" });
+  await tab.waitForFunction(() => document.querySelector(".legend").textContent.includes(": A less B"));
   await tab.getByRole("button", { name: /First divergence/ }).click();
   await tab.waitForFunction(() => document.querySelector(".page-other").textContent.includes("Chosen otherwise"));
   await tab.getByRole("button", { name: "Close B" }).click();
   await tab.waitForFunction(() => document.documentElement.dataset.other === undefined);
-  assert.equal(await tab.locator("#tab-other").count(), 0);
+  await tab.waitForSelector("#tab-other", { state: "detached" });
 });
 
 await proves("goals are saved as CSV", async (at) => {
   const { tab } = await at(served);
   await ready(tab);
+  await tab.locator(".menu summary").click();
   const [download] = await Promise.all([tab.waitForEvent("download"), tab.getByRole("button", { name: "CSV" }).click()]);
   const lines = readFileSync(await download.path(), "utf8").trim().split("\n");
   assert.match(lines[0], /^decision,time_s,goal,directive/);
@@ -257,6 +259,8 @@ await proves("it is dark where the system is", async (at) => {
   await tab.keyboard.press("3");
   await shoot(tab, "dark");
 });
+
+await ground({ proves, shoot, drawn, server, one: served, two, sample });
 
 await chromium.close();
 server.close();

@@ -1,21 +1,24 @@
 // The page: map on the left, decision on the right, timeline below, and one record of what is looked at.
 
 import { Address } from "./page/address";
+import { saveCsv, savePng, saveSvg } from "./page/exports";
 import { Ground } from "./page/ground";
 import { Intake } from "./page/intake";
 import { listenKeys } from "./page/keys";
 import type { Keys } from "./page/keys";
 import { Layers } from "./page/layers";
+import { MapPane } from "./page/map-pane";
 import { Player } from "./page/player";
+import { PriceTags } from "./page/prices";
 import { Readout } from "./page/readout";
 import { Side } from "./page/side";
 import type { Sides } from "./page/side";
 import { applyTheme, keptTheme, nextTheme } from "./page/theme";
-import { BETWEEN } from "./planes";
-import type { Origin, Tell } from "./read/protocol";
+import type { Given } from "./given";
+import type { Tell } from "./read/protocol";
 import { Store } from "./state";
 import type { Tab, View } from "./state";
-import { h, save } from "./ui/dom";
+import { h } from "./ui/dom";
 import { Header } from "./ui/header";
 import { helpDialog } from "./ui/help";
 import { Banner, Hint } from "./ui/notices";
@@ -28,7 +31,8 @@ export class App {
   private readonly store = new Store();
   private readonly sides: Sides = { a: undefined, b: undefined };
   private readonly layers = new Layers(this.store, this.sides);
-  private readonly readout = new Readout(this.sides);
+  private readonly readout = new Readout(this.sides, this.layers);
+  private readonly prices = new PriceTags(this.sides);
   private readonly player = new Player(this.store, this.sides);
   private readonly banner = new Banner();
   private readonly hint = new Hint();
@@ -36,21 +40,29 @@ export class App {
   private readonly intake = new Intake((files, beside) => this.take(files, beside));
   private readonly address = new Address(() => this.followAddress());
   private readonly header = new Header({
-    png: () => this.savePng(),
-    csv: () => this.saveCsv(),
+    png: () => savePng(this.store.view, this.sides, this.ground),
+    svg: () => saveSvg(this.store.view, this.sides, this.ground),
+    csv: () => saveCsv(this.store.view, this.sides, this.panel.goals),
     open: () => this.intake.choose(false),
     compare: () => this.intake.choose(true),
     theme: () => this.swapTheme(),
     help: () => this.help.showModal(),
   });
-  private readonly ground = new Ground(this.store, this.sides, {
-    probe: (probe) => {
-      const was = this.store.view.probe;
-      if (was?.row !== probe?.row || was?.col !== probe?.col) this.store.set({ probe });
+  private readonly ground = new Ground(
+    this.store,
+    this.sides,
+    this.layers,
+    {
+      probe: (probe, probed) => {
+        const was = this.store.view;
+        if (was.probe?.row !== probe?.row || was.probe?.col !== probe?.col || was.probed !== probed) this.store.set({ probe, probed });
+      },
+      wipe: (wipe) => this.store.set({ wipe }),
+      pick: (goal) => this.store.set({ goal, ...(goal === undefined ? {} : { tab: "goals" as const }) }),
     },
-    wipe: (wipe) => this.store.set({ wipe }),
-    pick: (goal) => this.store.set({ goal, ...(goal === undefined ? {} : { tab: "goals" as const }) }),
-  });
+    () => this.mapPane.noSolid(),
+  );
+  private readonly mapPane = new MapPane(this.store, this.sides, this.ground, this.layers, this.readout);
   private readonly timeline = new TimelineView(h("canvas", { class: "lanes", tabindex: 0, "aria-label": "Timeline of decisions, events and goals" }), {
     seek: (index) => this.player.seek(index),
     pick: (goal) => this.store.set({ goal }),
@@ -66,13 +78,14 @@ export class App {
     close: () => this.closeOther(),
     pick: (goal) => this.store.set({ goal }),
     option: (option) => this.store.set({ option }),
+    price: (goal, decision) => this.prices.tag(goal, decision),
     attachment: (name) => this.sides.a?.client.attachment(name) ?? Promise.resolve(undefined),
   });
   private readonly axisButton = h("button", { type: "button", title: "Axis of the timeline (t)", onclick: () => this.swapAxis() });
   private readonly main: HTMLElement;
 
   constructor(root: HTMLElement) {
-    this.main = h("main", { hidden: true }, this.mapPane(), this.panel.element, this.timePane());
+    this.main = h("main", { hidden: true }, this.mapPane.element, this.panel.element, this.timePane());
     root.append(this.header.element, this.banner.element, this.main, this.intake.welcome, this.hint.element, this.intake.file);
     this.store.listen((changed) => this.update(changed));
     listenKeys(() => this.keys());
@@ -83,20 +96,20 @@ export class App {
   }
 
   /** Opens a log in place of the one that is open. */
-  open(origin: Origin): void {
+  open(given: Given): void {
     this.closeOther();
     this.sides.a?.close();
     this.intake.welcome.hidden = true;
     this.banner.say("", "");
     delete document.documentElement.dataset.ready;
     delete document.documentElement.dataset.drawn;
-    this.sides.a = new Side(origin, (side, tell) => this.hear(side, tell));
+    this.sides.a = new Side(given, (side, tell) => this.hear(side, tell), () => this.learned());
   }
 
   /** Opens a log beside the one that is open. */
-  compare(origin: Origin): void {
+  compare(given: Given): void {
     this.closeOther();
-    this.sides.b = new Side(origin, (side, tell) => this.hearOther(side, tell));
+    this.sides.b = new Side(given, (side, tell) => this.hearOther(side, tell), () => this.learned());
   }
 
   private closeOther(): void {
@@ -104,7 +117,7 @@ export class App {
     this.sides.b = undefined;
     delete document.documentElement.dataset.other;
     const { view } = this.store;
-    this.store.set({ tab: view.tab === "other" ? "goals" : view.tab, layer: view.layer === BETWEEN ? "map:interest" : view.layer });
+    this.store.set({ tab: view.tab === "other" ? "goals" : view.tab, probed: "a" });
     this.layers.offer();
     this.headline();
     this.store.grown();
@@ -112,11 +125,17 @@ export class App {
 
   /** One file is opened; of two the second beside the first. */
   private take(files: readonly File[], beside: boolean): void {
-    const [first, second] = files.map((file): Origin => ({ kind: "blob", name: file.name, blob: file }));
+    const [first, second] = files.map((file): Given => ({ origin: { kind: "blob", name: file.name, blob: file }, supply: { kind: "none" } }));
     if (!first) return;
     if (beside && this.sides.a?.run) this.compare(first);
     else this.open(first);
     if (second) this.compare(second);
+  }
+
+  /** What can be derived has become known. */
+  private learned(): void {
+    this.layers.offer();
+    this.store.grown();
   }
 
   private hear({ run }: Side, tell: Tell): void {
@@ -165,19 +184,19 @@ export class App {
     }
     const run = a?.run;
     const moment = run?.moment(view.index);
+    if (a) a.index = view.index;
     if (moment) b?.follow(view.index, moment.timeS, view.axis);
     if (!run || run.moments.length === 0) return;
     if (moment && touched("index")) this.address.write(moment.number);
-    // Before it is drawn in: a canvas out of sight has no size.
-    if (touched("solid")) this.ground.swap();
-    if (touched("index", "layer", "log", "colours", "shaded", "solid", "axis")) void this.ground.show();
+    if (touched("index", "layer", "aspect", "log", "colours", "shaded", "axis")) void this.ground.show();
     else this.ground.draw();
+    this.mapPane.show(view);
     if (touched("index", "goal", "axis", "log", "theme")) this.timeline.show({ run, index: view.index, axis: view.axis, goal: view.goal });
     if (touched("index", "goal", "tab", "option", "axis") || (touched("log") && this.panelIsOld())) this.panel.show(run, b?.run && { run: b.run, index: b.index });
-    if (touched("probe", "index")) this.readout.show(view);
+    this.readout.show(view);
     if (touched("axis")) this.axisLabel();
     if (touched("playing")) this.player.show();
-    this.layers.element.value = view.layer;
+    this.layers.show();
   }
 
   /** While a log comes in, what the panel shows seldom changes: the count of decisions, and the end. */
@@ -187,33 +206,6 @@ export class App {
     const old = this.panel.element.dataset.shown !== now;
     this.panel.element.dataset.shown = now;
     return old;
-  }
-
-  private mapPane(): HTMLElement {
-    const { ground, layers, store } = this;
-    return h(
-      "section",
-      { class: "map-pane", "aria-label": "Map" },
-      ground.mapCanvas,
-      ground.solidCanvas,
-      h(
-        "div",
-        { class: "map-tools" },
-        layers.element,
-        layers.colours,
-        h("button", { type: "button", title: "Relief (s)", onclick: () => store.set({ shaded: !store.view.shaded }) }, "relief"),
-        ground.solidButton,
-      ),
-      h(
-        "div",
-        { class: "zoom-tools" },
-        h("button", { type: "button", title: "Zoom in (+)", "aria-label": "Zoom in", onclick: () => ground.zoom(1.25) }, "+"),
-        h("button", { type: "button", title: "Zoom out (−)", "aria-label": "Zoom out", onclick: () => ground.zoom(0.8) }, "−"),
-        h("button", { type: "button", title: "Whole map (0)", "aria-label": "Whole map", onclick: () => ground.fit() }, "⤢"),
-      ),
-      this.readout.element,
-      ground.legend.element,
-    );
   }
 
   private timePane(): HTMLElement {
@@ -270,7 +262,11 @@ export class App {
       m: () => ground.canvas.focus(),
       t: () => this.swapAxis(),
       v: () => store.set({ solid: !view.solid }),
+      h: ground.solid ? () => this.mapPane.nextHeights() : undefined,
       s: () => store.set({ shaded: !view.shaded }),
+      w: () => store.set({ alternatives: !view.alternatives }),
+      a: () => layers.nextAspect(),
+      b: this.sides.b ? () => this.mapPane.swapSplit() : undefined,
       d: () => this.swapTheme(),
       o: () => this.intake.choose(false),
       c: () => this.intake.choose(true),
@@ -287,24 +283,10 @@ export class App {
       if (what) this.panel.goals.element.querySelector<HTMLElement>(what)?.focus();
       else this.panel.goals.focus();
     };
-    // At once where the table is in sight: the next key must find it.
-    if (this.store.view.tab === "goals") return focus();
+    const there = this.store.view.tab === "goals";
     this.store.set({ tab: "goals" });
-    requestAnimationFrame(focus);
-  }
-
-  private savePng(): void {
-    const run = this.sides.a?.run;
-    const name = `${run?.facts.run.mission ?? "map"}-${run?.moment(this.store.view.index)?.number ?? 0}.png`;
-    this.ground.canvas.toBlob((blob) => blob && save(name, blob));
-  }
-
-  private saveCsv(): void {
-    const run = this.sides.a?.run;
-    const { view } = this.store;
-    const moment = run?.moment(view.index);
-    if (!run || !moment) return;
-    this.panel.goals.show(moment, run.moment(view.index - 1), run.facts, view.goal);
-    save(`goals-${moment.number}.csv`, new Blob([this.panel.goals.csv()], { type: "text/csv" }));
+    // A page that is not in sight yet takes no focus.
+    if (there) focus();
+    else requestAnimationFrame(focus);
   }
 }

@@ -9,5 +9,5 @@ if (!root) throw new Error("the page has no place to draw in");
 const app = new App(root);
 
 const { a, b } = given();
-if (a) app.open(a.origin);
-if (a && b) app.compare(b.origin);
+if (a) app.open(a);
+if (a && b) app.compare(b);

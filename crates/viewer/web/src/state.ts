@@ -4,15 +4,22 @@ import type { Cell } from "./model/types";
 
 export type Theme = "auto" | "light" | "dark";
 export type Axis = "time" | "decision";
+/** What of a layer is shown: its value, its change since the last decision, or how two runs differ in it. */
+export type Aspect = "value" | "change" | "between";
+/** How two maps share the room. */
+export type Split = "wipe" | "halves";
 export type Tab = "goals" | "changes" | "plans" | "run" | "other";
 
 export interface View {
   /** Place of the decision shown, from 0. */
   index: number;
   layer: string;
+  aspect: Aspect;
   shaded: boolean;
   /** In three dimensions. */
   solid: boolean;
+  /** By how much heights are stretched there; as much as shows them well, if nothing is said. */
+  heights: number | undefined;
   colours: "viridis" | "cividis" | "batlow";
   theme: Theme;
   axis: Axis;
@@ -26,8 +33,12 @@ export interface View {
   option: number | undefined;
   /** Where the map goes over from the first run to the second, as a share of its width. */
   wipe: number;
-  /** The cell asked about. */
+  split: Split;
+  /** The ways of all members of the plan family. */
+  alternatives: boolean;
+  /** The cell asked about, and of which run. */
   probe: Cell | undefined;
+  probed: "a" | "b";
 }
 
 type Listener = (changed: ReadonlySet<keyof View | "log">) => void;
@@ -36,8 +47,10 @@ export class Store {
   readonly view: View = {
     index: 0,
     layer: "map:interest",
+    aspect: "value",
     shaded: true,
     solid: false,
+    heights: undefined,
     colours: "viridis",
     theme: "auto",
     axis: "time",
@@ -47,7 +60,10 @@ export class Store {
     goal: undefined,
     option: undefined,
     wipe: 0.62,
+    split: "wipe",
+    alternatives: false,
     probe: undefined,
+    probed: "a",
   };
   private readonly listeners: Listener[] = [];
   private changed = new Set<keyof View | "log">();

@@ -54,12 +54,13 @@ test("one goal put first moves itself and no other", () => {
   expect([...keptOrder([], [1])]).toEqual([]);
 });
 
-test("the mission names its experts and how layers are updated", () => {
-  const mission = 'experts = ["experts/dem.toml", "experts/warm.toml"]\n[[layer]]\nname = "elevation"\nunit = "m"\n[[layer]]\nname = "heat"\nupdate = "latest"\n[prior]\nunit = "no"\n';
+test("the mission names its experts, and how layers are updated and which are of classes", () => {
+  const mission = 'experts = ["experts/dem.toml", "experts/warm.toml"]\n[[layer]]\nname = "elevation"\nunit = "m"\n[[layer]]\nname = "heat"\nupdate = "latest"\n[[layer]]\nname = "texture"\nkind = "class"\nclasses = [1, 2, 4]\n[prior]\nunit = "no"\n';
   expect(experts(mission)).toEqual(["dem", "warm"]);
   expect([...layers(mission)]).toEqual([
-    ["elevation", { update: "best", unit: "m" }],
-    ["heat", { update: "latest", unit: "" }],
+    ["elevation", { update: "best", unit: "m", classes: [] }],
+    ["heat", { update: "latest", unit: "", classes: [] }],
+    ["texture", { update: "best", unit: "", classes: [1, 2, 4] }],
   ]);
 });
 

@@ -1,4 +1,4 @@
-// The little that is asked of the mission file: the experts' order, and how layers are updated.
+// The little that is asked of the mission file: the experts' order, how layers are updated, and what their values are.
 //
 // This is no TOML reader. It knows the two shapes that mission files have there, and says nothing of any other.
 
@@ -20,6 +20,8 @@ export const identityRadiusM = (mission: string): number =>
 interface LayerFacts {
   update: Update;
   unit: string;
+  /** Values that stand for classes; empty where they are amounts. */
+  classes: number[];
 }
 
 /** What the mission says of each of its layers. */
@@ -29,9 +31,11 @@ export const layers = (mission: string): Map<string, LayerFacts> => {
     const own = part.split(/^\[/m)[0] ?? "";
     const value = (key: string): string => new RegExp(`^${key}\\s*=\\s*"([^"]*)"`, "m").exec(own)?.[1] ?? "";
     const update = value("update");
+    const classes = /^classes\s*=\s*\[([^\]]*)\]/m.exec(own)?.[1]?.split(",").filter((part) => part.trim() !== "").map(Number).filter(Number.isFinite) ?? [];
     facts.set(value("name"), {
       update: update === "latest" || update === "weighted" ? update : "best",
       unit: value("unit"),
+      classes: value("kind") === "class" ? classes : [],
     });
   }
   return facts;

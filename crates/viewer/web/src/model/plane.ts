@@ -80,18 +80,25 @@ export const patched = (plane: Plane, patch: Plane): Plane => {
   return { ...plane, values };
 };
 
-/** `after` less `before`, over the cells of `after` that both know. */
-export const difference = (after: Plane, before: Plane): Plane => {
-  const values = new Float32Array(after.values.length);
-  for (let row = 0; row < after.rows; row++) {
-    for (let col = 0; col < after.cols; col++) {
-      const place = row * after.cols + col;
-      const was = at(before, { row: row + after.row, col: col + after.col });
-      values[place] = was === undefined ? Number.NaN : (after.values[place] ?? Number.NaN) - was;
+/** Two planes put together cell by cell, over the cells of the first; `NaN` where either knows nothing. */
+const joined = (first: Plane, second: Plane, join: (one: number, other: number) => number): Plane => {
+  const values = new Float32Array(first.values.length);
+  for (let row = 0; row < first.rows; row++) {
+    for (let col = 0; col < first.cols; col++) {
+      const place = row * first.cols + col;
+      const other = at(second, { row: row + first.row, col: col + first.col });
+      values[place] = other === undefined ? Number.NaN : join(first.values[place] ?? Number.NaN, other);
     }
   }
-  return { ...after, values };
+  return { ...first, values };
 };
+
+/** `after` less `before`, over the cells of `after` that both know. */
+export const difference = (after: Plane, before: Plane): Plane => joined(after, before, (is, was) => is - was);
+
+/** Of planes of classes: 1 where they differ, 0 where they are the same. */
+export const differing = (one: Plane, other: Plane): Plane =>
+  joined(one, other, (a, b) => (Number.isNaN(a) ? Number.NaN : Number(a !== b)));
 
 /** Least and greatest known value; `undefined` if nothing is known. */
 export const range = (plane: Plane): { min: number; max: number } | undefined => {

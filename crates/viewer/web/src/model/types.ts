@@ -243,4 +243,12 @@ export interface PlaneName {
   /** `map:interest`, `read:temperature`, `doubt:temperature`. */
   id: string;
   label: string;
+  unit?: string;
+  /** What its values stand for, where they are names and no amounts. */
+  classes?: PlaneClass[];
+}
+
+export interface PlaneClass {
+  value: number;
+  name: string;
 }

@@ -11,7 +11,7 @@ export const listenKeys = (keys: () => Keys): void => {
     if (typing && event.key === "Escape") target.blur();
     if (typing || event.ctrlKey || event.metaKey || event.altKey || document.querySelector("dialog[open]")) return;
     // On a button the space bar presses the button.
-    if (event.key === " " && target.matches("button")) return;
+    if (event.key === " " && target.matches("button, summary")) return;
     const act = keys()[event.key];
     if (!act) return;
     event.preventDefault();

@@ -1,10 +1,14 @@
-// A log that is open: its reader, its maps, and the run as far as it was read.
+// A log that is open: its reader, its maps, what is derived from it, and the run as far as it was read.
 
+import { derivedFrom } from "../derived/source";
+import type { Derived, Index } from "../derived/types";
+import type { Given } from "../given";
 import { Run } from "../model/run";
 import type { Plane } from "../model/plane";
+import type { Cell } from "../model/types";
 import { Planes } from "../planes";
 import { LogClient } from "../read/client";
-import type { Origin, Tell } from "../read/protocol";
+import type { Tell } from "../read/protocol";
 import type { Axis } from "../state";
 import type { Relief } from "../view/relief";
 
@@ -16,6 +20,7 @@ export interface Sides {
 
 export class Side {
   readonly client: LogClient;
+  readonly derived: Derived;
   readonly planes: Planes;
   run: Run | undefined;
   /** Place of the decision shown, from 0. */
@@ -23,17 +28,28 @@ export class Side {
   /** The layer shown, and the light on it. */
   plane: Plane | undefined;
   relief: Relief | undefined;
+  /** What can be derived, once it is known. */
+  derivable: Index | undefined;
+  /** The whole ways of a family's plans; none if they are nowhere to be had. */
+  private family: { decision: number; ways: readonly (readonly Cell[])[] | undefined } | undefined;
+  private familyAsked = -1;
   private lighting: Promise<Relief | undefined> | undefined;
   private closed = false;
 
-  constructor(origin: Origin, told: (side: Side, tell: Tell) => void) {
+  constructor(given: Given, told: (side: Side, tell: Tell) => void, learned: () => void) {
     this.client = new LogClient((tell) => {
       if (this.closed) return;
       this.take(tell);
       told(this, tell);
     });
-    this.planes = new Planes(this.client);
-    this.client.open(origin);
+    this.derived = derivedFrom(given.supply, (name, decision) => this.planes.at(`map:${name}`, decision));
+    this.planes = new Planes(this.client, this.derived);
+    this.client.open(given.origin);
+    const learn = (index: Index): void => {
+      this.derivable = index;
+      if (!this.closed) learned();
+    };
+    this.derived.index().then(learn, (error: Error) => learn({ unavailable: error.message }));
   }
 
   /** Asked for once: the elevation is logged once. */
@@ -52,6 +68,32 @@ export class Side {
     if (!this.run) return;
     const last = this.run.moments.length - 1;
     this.index = axis === "time" ? this.run.indexAt(timeS) : Math.min(last, index);
+  }
+
+  /** The ways of the family at the decision shown, if they are to be had. */
+  get ways(): readonly (readonly Cell[])[] | "pending" | undefined {
+    return this.family && this.family.decision === this.run?.moment(this.index)?.number ? this.family.ways : "pending";
+  }
+
+  /** Gets the ways of the family at the decision shown, and says when they have come. */
+  meetFamily(come: () => void): void {
+    const decision = this.run?.moment(this.index)?.number;
+    if (decision === undefined || this.familyAsked === decision) return;
+    this.familyAsked = decision;
+    const keep = (ways: readonly (readonly Cell[])[] | undefined): void => {
+      // One may have moved on meanwhile.
+      if (this.familyAsked !== decision || this.closed) return;
+      this.family = { decision, ways };
+      come();
+    };
+    this.derived.family(decision).then(keep, () => keep(undefined));
+  }
+
+  /** The layer at the decision shown: its value, or its change since the decision before. */
+  layer(id: string, change: boolean, classes: boolean): Promise<Plane | undefined> {
+    const [moment, before] = [this.run?.moment(this.index), this.run?.moment(this.index - 1)];
+    if (!moment || (change && !before)) return Promise.resolve(undefined);
+    return change && before ? this.planes.change(id, before.number, moment.number, classes) : this.planes.at(id, moment.number);
   }
 
   close(): void {

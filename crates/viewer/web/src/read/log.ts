@@ -243,15 +243,15 @@ export class LogReader {
 
   private planeNames(): PlaneName[] {
     const facts = layers(this.mission);
-    const unit = (layer: string): string => (facts.get(layer)?.unit ? `, ${facts.get(layer)?.unit}` : "");
-    const maps = [...this.grids.keys()].map((name) => ({
-      id: `map:${name}`,
-      label: name === "elevation" ? `elevation, as first known${unit(name)}` : `${name}`,
-    }));
-    const read = [...this.layerNames].flatMap((name) => [
-      { id: `read:${name}`, label: `${name} as read${unit(name)}` },
-      { id: `doubt:${name}`, label: `uncertainty of ${name}` },
-    ]);
+    const unit = (layer: string): string => facts.get(layer)?.unit ?? "";
+    const maps = [...this.grids.keys()].map((name) => ({ id: `map:${name}`, label: name === "elevation" ? "elevation, as first known" : name, unit: unit(name) }));
+    const read = [...this.layerNames].flatMap((name): PlaneName[] => {
+      const classes = facts.get(name)?.classes.map((value) => ({ value, name: String(value) })) ?? [];
+      return [
+        { id: `read:${name}`, label: `${name} as read`, unit: unit(name), classes },
+        { id: `doubt:${name}`, label: `uncertainty of ${name} as read` },
+      ];
+    });
     return [...maps, ...read];
   }
 

@@ -13,6 +13,8 @@ type Column = "turn" | "goal" | "interest" | "prize" | "reliability" | "verdict"
 
 export interface GoalHandlers {
   pick(goal: number | undefined): void;
+  /** What it would have taken to bring a goal in. */
+  price(goal: number, decision: number): HTMLElement;
 }
 
 const EXPERT_COLOURS = [OKABE.blue, OKABE.orange, OKABE.green, OKABE.pink, OKABE.sky, OKABE.vermilion];
@@ -83,7 +85,7 @@ export class GoalTable {
       ...rows.flatMap((verdict) => {
         const open = verdict.goal.id === shown.goal;
         const row = this.row(verdict, moment, open, before ? changed.get(verdict.goal.id) : undefined);
-        return open ? [row, this.detail(verdict, shown.facts)] : [row];
+        return open ? [row, this.detail(verdict, moment, shown.facts)] : [row];
       }),
     );
     if (rows.length === 0) this.body.append(h("tr", {}, h("td", { colspan: 5, class: "none" }, "No goal fits.")));
@@ -219,7 +221,7 @@ export class GoalTable {
     event.stopPropagation();
   }
 
-  private detail({ goal, changes: own, steps, cause }: Verdict, facts: RunFacts): HTMLTableRowElement {
+  private detail({ goal, changes: own, steps, cause, action, turn }: Verdict, moment: Moment, facts: RunFacts): HTMLTableRowElement {
     const total = goal.credit.reduce((sum, part) => sum + Math.abs(part), 0) || 1;
     const name = (i: number): string => facts.experts[i] ?? `expert ${i + 1}`;
     const bar = h("div", { class: "credit", role: "img", "aria-label": "share of each expert in the interest" });
@@ -261,6 +263,8 @@ export class GoalTable {
         ),
         steps.length > 0 &&
           h("p", { class: "life" }, [steps[0]?.from ?? "", ...steps.map((step) => `${step.to}${step.outcome ? ` (${step.outcome})` : ""}`)].join(" › ")),
+        // A goal left out has a price.
+        turn === undefined && action !== "achieve" && this.handlers.price(goal.id, moment.number),
       ),
     );
   }

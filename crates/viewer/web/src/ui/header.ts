@@ -6,6 +6,7 @@ import { bytes } from "./format";
 
 export interface HeaderHandlers {
   png(): void;
+  svg(): void;
   csv(): void;
   open(): void;
   compare(): void;
@@ -16,8 +17,33 @@ export interface HeaderHandlers {
 export class Header {
   readonly element: HTMLElement;
   private readonly facts = h("div", { class: "facts-line" });
+  /** What can be saved. */
+  private readonly menu = h("details", { class: "menu" }, h("summary", { title: "Save the map or the goals" }, "Save"));
 
   constructor(handlers: HeaderHandlers) {
+    const saved = (label: string, title: string, save: () => void): HTMLElement =>
+      h(
+        "button",
+        {
+          type: "button",
+          title,
+          onclick: () => {
+            this.menu.open = false;
+            save();
+          },
+        },
+        label,
+      );
+    this.menu.append(
+      h(
+        "div",
+        {},
+        saved("Map as PNG", "The map as a picture", handlers.png),
+        saved("Map as SVG", "The flat map with its marks, legend and scale as lines and words", handlers.svg),
+        saved("Goals as CSV", "Goals of this decision as a table", handlers.csv),
+      ),
+    );
+    this.closeMenu();
     this.element = h(
       "header",
       {},
@@ -26,8 +52,7 @@ export class Header {
       h(
         "div",
         { class: "actions" },
-        h("button", { type: "button", title: "Save the map as PNG", onclick: handlers.png }, "PNG"),
-        h("button", { type: "button", title: "Goals of this decision as CSV", onclick: handlers.csv }, "CSV"),
+        this.menu,
         h("button", { type: "button", title: "Open a log (o)", onclick: handlers.open }, "Open…"),
         h("button", { type: "button", title: "Open a second log beside this one (c), or drop it with Shift", onclick: handlers.compare }, "Compare…"),
         h("button", { type: "button", title: "Light or dark (d)", "aria-label": "Light or dark", onclick: handlers.theme }, "◐"),
@@ -54,6 +79,23 @@ export class Header {
     ];
     this.facts.replaceChildren(...parts.filter((part) => part !== undefined));
     document.title = `${facts.mission ?? name}: Wisdom replay`;
+  }
+
+  /** A menu is left by Escape, and by turning to anything else. */
+  private closeMenu(): void {
+    const { menu } = this;
+    menu.addEventListener("keydown", (event) => {
+      if (event.key !== "Escape" || !menu.open) return;
+      menu.open = false;
+      menu.querySelector("summary")?.focus();
+      event.stopPropagation();
+    });
+    document.addEventListener("pointerdown", (event) => {
+      if (event.target instanceof Node && !menu.contains(event.target)) menu.open = false;
+    });
+    menu.addEventListener("focusout", (event) => {
+      if (event.relatedTarget instanceof Node && !menu.contains(event.relatedTarget)) menu.open = false;
+    });
   }
 
   /** How far reading is: a banner that comes and goes would push the map about. */

@@ -10,14 +10,16 @@ const KEYS: readonly [string, string][] = [
   ["/", "filter the goals"],
   ["1 2 3 4 5", "goals, changes, plans, run, the two runs"],
   ["l  L", "next layer, layer before"],
+  ["a", "the layer as it is, its change since last, or A less B"],
+  ["w", "ways of all plans in the family"],
   ["t", "timeline by mission time or by decision"],
   ["s", "relief on or off"],
-  ["v", "the ground in two or three dimensions"],
+  ["v  h", "the ground in two or three dimensions; heights stretched by more"],
   ["m", "to the map; there + − 0 zoom, Shift and arrows pan or turn, Alt and arrows ask a cell"],
   ["Esc", "let go of the goal"],
   ["d", "light, dark, as the system has it"],
   ["o", "open a log"],
-  ["c", "open a second log beside it; [ and ] move the wipe"],
+  ["c", "open a second log beside it; [ and ] move the wipe, b sets them side by side"],
   ["?", "this list"],
 ];
 

@@ -1,10 +1,32 @@
 // The legend of the map: what the colours and lines mean.
 
-import { colourTable, css } from "../view/colour";
+import { classStep, colourTable, css, cssAt, NO_CLASS } from "../view/colour";
 import type { Scale } from "../view/paint";
+import type { Way } from "../view/shapes";
 import { h } from "./dom";
 
-const WAYS = ["driven", "next leg", "plan"] as const;
+/** What a legend says, for the page and for a saved figure alike. */
+export interface LegendWords {
+  title: string;
+  scale: Scale;
+  /** Names of the classes, in the order of the scale's. */
+  classes: readonly string[];
+  /** Whether there are values of no class. */
+  odd: boolean;
+  /** How heights and light were drawn, and what is missing. */
+  notes: readonly string[];
+  ways: readonly Way["what"][];
+}
+
+export const WAY_COLOURS: Record<Way["what"], string> = {
+  driven: "#0072b2",
+  "next leg": "#d55e00",
+  plan: "#e69f00",
+  alternative: "#cc79a7",
+  "picked alternative": "#cc79a7",
+};
+
+const TICKS = [0, 0.25, 0.5, 0.75, 1] as const;
 
 export class Legend {
   readonly element = h("div", { class: "legend" });
@@ -14,24 +36,53 @@ export class Legend {
     this.element.replaceChildren(h("p", {}, why));
   }
 
-  /** `note` says how heights and light were drawn. */
-  show(name: string, scale: Scale, note: string): void {
-    const table = colourTable(scale.colours);
-    const bar = h("div", { class: "bar" });
-    bar.style.background = `linear-gradient(90deg, ${Array.from({ length: 24 }, (_, i) => css(table, i / 23)).join(", ")})`;
-    const { min, max } = scale;
-    const labels = [0, 0.25, 0.5, 0.75, 1].map((part) => h("span", {}, legendLabel(min + part * (max - min), max - min)));
-    this.element.replaceChildren(h("p", {}, h("b", {}, name)), bar, h("div", { class: "ticks" }, labels), h("p", { class: "sub" }, note), wayKey());
+  show(words: LegendWords): void {
+    this.element.replaceChildren(
+      h("p", {}, h("b", {}, words.title)),
+      ...(words.scale.classes ? [classList(words)] : ramp(words.scale)),
+      ...words.notes.map((note) => h("p", { class: "sub" }, note)),
+      h("p", { class: "ways sub" }, words.ways.map(wayKey)),
+    );
   }
 }
 
-/** As many decimals as a step of the legend needs. */
-const legendLabel = (value: number, span: number): string => value.toFixed(Math.min(6, Math.max(0, 2 - Math.floor(Math.log10(span || 1)))));
+const ramp = (scale: Scale): HTMLElement[] => {
+  const table = colourTable(scale.colours);
+  const bar = h("div", { class: "bar" });
+  bar.style.background = `linear-gradient(90deg, ${Array.from({ length: 24 }, (_, i) => css(table, i / 23)).join(", ")})`;
+  return [bar, h("div", { class: "ticks" }, tickLabels(scale).map((label) => h("span", {}, label)))];
+};
 
-/** What the lines on the map are. */
-const wayKey = (): HTMLElement =>
+/** Values under the ramp, from its left end to its right. */
+export const tickLabels = ({ min, max }: Scale): string[] => TICKS.map((part) => written(min + part * (max - min), max - min));
+
+/** The colour of each class. */
+export const classColours = (words: LegendWords): { name: string; colour: string }[] => {
+  const table = colourTable(words.scale.colours);
+  const all = words.classes.map((name, i) => ({ name, colour: cssAt(table, classStep(i)) }));
+  return words.odd ? [...all, { name: "no class", colour: cssAt(table, NO_CLASS) }] : all;
+};
+
+/** The number stands beside the colour: neither is the only sign. */
+const classList = (words: LegendWords): HTMLElement =>
   h(
-    "p",
-    { class: "ways sub" },
-    WAYS.map((way) => h("span", {}, h("i", { class: way.replace(" ", "-") }), way)),
+    "ul",
+    { class: "classes" },
+    classColours(words).map(({ name, colour }) => {
+      const swatch = h("i");
+      swatch.style.background = colour;
+      return h("li", {}, swatch, name);
+    }),
   );
+
+const wayKey = (what: Way["what"]): HTMLElement => {
+  const stroke = h("i");
+  stroke.style.background = WAY_COLOURS[what];
+  return h("span", {}, stroke, what);
+};
+
+/** As many decimals as a step of the legend needs. */
+const written = (value: number, span: number): string => {
+  const text = value.toFixed(Math.min(6, Math.max(0, 2 - Math.floor(Math.log10(span || 1)))));
+  return /^-0\.?0*$/.test(text) ? text.slice(1) : text;
+};

@@ -15,6 +15,8 @@ import { GoalTable, objectiveLines } from "./goals";
 import { otherPage } from "./other";
 
 export interface PanelHandlers {
+  /** What it would have taken to bring a goal in. */
+  price(goal: number, decision: number): HTMLElement;
   step(by: number): void;
   seek(index: number): void;
   part(index: number): void;
@@ -56,7 +58,7 @@ export class Panel {
     private readonly store: Store,
     private readonly handlers: PanelHandlers,
   ) {
-    this.goals = new GoalTable({ pick: handlers.pick });
+    this.goals = new GoalTable({ pick: handlers.pick, price: handlers.price });
     this.trend = new Trend(this.trendPlace, handlers.seek);
     const page = (tab: Tab): HTMLElement => h("div", { class: `page page-${tab}`, role: "tabpanel", id: `page-${tab}`, "aria-labelledby": `tab-${tab}` });
     this.pages = { goals: page("goals"), changes: page("changes"), plans: page("plans"), run: page("run"), other: page("other") };
@@ -263,7 +265,7 @@ export class Panel {
       h(
         "div",
         { class: "plans", "data-decision": moment.number },
-        h("p", { class: "note" }, proof, " Size is energy; the dashed way on the map joins a plan's poses, whose cells the log does not keep."),
+        h("p", { class: "note" }, proof, " Size is energy; on the map a plan's way is broken where only its poses are known."),
         svg,
         h("p", { class: "tools" }, h("button", { type: "button", onclick: () => saveSvg(`plans-${moment.number}.svg`, svg) }, "Save as SVG")),
         h("p", { class: "sub" }, objectiveLines(moment)),

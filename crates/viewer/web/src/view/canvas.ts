@@ -7,7 +7,12 @@ export interface Size {
   ratio: number;
 }
 
-const sizeOf = (canvas: HTMLCanvasElement): Size => ({ width: canvas.clientWidth, height: canvas.clientHeight, ratio: window.devicePixelRatio || 1 });
+/** Out of sight it has the size that it had in sight. */
+const sizeOf = (canvas: HTMLCanvasElement): Size => {
+  const ratio = window.devicePixelRatio || 1;
+  const seen = canvas.clientWidth > 0 && canvas.clientHeight > 0;
+  return { width: seen ? canvas.clientWidth : canvas.width / ratio, height: seen ? canvas.clientHeight : canvas.height / ratio, ratio };
+};
 
 export class Surface {
   private waiting = false;
@@ -16,7 +21,7 @@ export class Surface {
     readonly canvas: HTMLCanvasElement,
     private readonly draw: (size: Size) => void,
   ) {
-    new ResizeObserver(() => this.resized()).observe(canvas);
+    new ResizeObserver(() => canvas.clientWidth > 0 && canvas.clientHeight > 0 && this.resized()).observe(canvas);
   }
 
   get size(): Size {
@@ -37,8 +42,7 @@ export class Surface {
   }
 
   protected now(): void {
-    const { size } = this;
-    if (size.width > 0 && size.height > 0) this.draw(size);
+    if (this.canvas.clientWidth > 0 && this.canvas.clientHeight > 0) this.draw(this.size);
   }
 }
 

@@ -15,7 +15,12 @@ const ANCHORS = {
   diverging: ["0b4f8a", "4b8fc4", "a8cbe3", "f4f3f1", "eab59b", "cf6a4b", "8f2317"],
 } as const;
 
-export type ColourMapName = keyof typeof ANCHORS;
+/** Classes, in turn: Okabe and Ito's colours, light ones first, so that marks stand out from them. */
+const CLASSES = ["56b4e9", "e69f00", "009e73", "f0e442", "cc79a7", "0072b2", "d55e00", "f4efe2"] as const;
+/** Of a value that is none of the classes. */
+const NO_CLASS_COLOUR = "6d7279";
+
+export type ColourMapName = keyof typeof ANCHORS | "classes";
 
 const toLinear = (c: number): number => (c <= 0.04045 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4);
 const toGamma = (c: number): number => (c <= 0.0031308 ? 12.92 * c : 1.055 * c ** (1 / 2.4) - 0.055);
@@ -66,21 +71,36 @@ const table = (anchors: readonly string[]): Uint8ClampedArray => {
   return colours;
 };
 
+/** The place in the table of the colour of a class; after the last colour they begin anew. */
+export const classStep = (i: number): number => i % CLASSES.length;
+/** The place of the colour of what is no class. */
+export const NO_CLASS = STEPS - 1;
+
+const classTable = (): Uint8ClampedArray => {
+  const colours = new Uint8ClampedArray(STEPS * 3);
+  for (let step = 0; step < STEPS; step++) {
+    hex(CLASSES[step] ?? NO_CLASS_COLOUR).forEach((c, i) => {
+      colours[step * 3 + i] = Math.round(c * 255);
+    });
+  }
+  return colours;
+};
+
 const tables = new Map<ColourMapName, Uint8ClampedArray>();
 
 /** The 256 colours of a map, red, green and blue in turn. */
 export const colourTable = (name: ColourMapName): Uint8ClampedArray => {
   const known = tables.get(name);
   if (known) return known;
-  const made = table(ANCHORS[name]);
+  const made = name === "classes" ? classTable() : table(ANCHORS[name]);
   tables.set(name, made);
   return made;
 };
 
-export const css = (colours: Uint8ClampedArray, part: number): string => {
-  const step = Math.round(Math.min(1, Math.max(0, part)) * (STEPS - 1)) * 3;
-  return `rgb(${colours[step]} ${colours[step + 1]} ${colours[step + 2]})`;
-};
+/** The colour at a place of the table. */
+export const cssAt = (colours: Uint8ClampedArray, step: number): string => `rgb(${colours[3 * step]} ${colours[3 * step + 1]} ${colours[3 * step + 2]})`;
+
+export const css = (colours: Uint8ClampedArray, part: number): string => cssAt(colours, Math.round(Math.min(1, Math.max(0, part)) * (STEPS - 1)));
 
 /** Okabe & Ito (2008): apart from each other for all eyes. */
 export const OKABE = {

@@ -33,6 +33,17 @@ export const markPath = (state: GoalState, r: number): string => {
   }
 };
 
+/** The radius of the mark of a goal that matters now. */
+export const MARK_PX = 8.5;
+
+export const markRadius = (state: GoalState): number => (state === "dropped" || state === "deferred" ? MARK_PX * 0.68 : MARK_PX);
+
+/** What is written in a mark: the turn, or that the goal is done. */
+export const markText = ({ state, turn }: { state: GoalState; turn: number | undefined }): { text: string; colour: string } | undefined => {
+  if (turn !== undefined) return { text: String(turn + 1), colour: state === "next" ? "#fff" : "#111" };
+  return state === "done" ? { text: "✓", colour: "#fff" } : undefined;
+};
+
 /** A dropped goal is a cross, which has no inside. */
 export const filled = (state: GoalState): boolean => state !== "dropped";
 

@@ -1,7 +1,7 @@
 // A plane as a picture: colour by value, light by relief.
 
 import type { Plane } from "../model/plane";
-import { colourTable } from "./colour";
+import { classStep, colourTable, NO_CLASS } from "./colour";
 import type { ColourMapName } from "./colour";
 import type { Relief } from "./relief";
 
@@ -9,6 +9,8 @@ export interface Scale {
   colours: ColourMapName;
   min: number;
   max: number;
+  /** Values that stand for classes: each has a colour of its own, and nothing lies between. */
+  classes?: readonly number[];
 }
 
 /** How much the relief darkens; it lightens about half as much, because light colours lose their hue sooner. */
@@ -52,6 +54,7 @@ export const paint = (plane: Plane, scale: Scale, relief: Relief | undefined): I
   const colours = litColours(scale.colours);
   const { values, rows, cols } = plane;
   const slope = (COLOURS - 1) / (scale.max - scale.min || 1);
+  const classes = scale.classes && new Map(scale.classes.map((value, i) => [value, classStep(i)]));
   for (let row = 0; row < rows; row++) {
     // The relief may cover another part of the ground.
     const lightRow = relief ? row + plane.row - relief.plane.row : -1;
@@ -61,7 +64,7 @@ export const paint = (plane: Plane, scale: Scale, relief: Relief | undefined): I
     for (let col = 0; col < cols; col++) {
       const value = values[row * cols + col] as number;
       if (value !== value) continue;
-      const step = Math.min(COLOURS - 1, Math.max(0, Math.round((value - scale.min) * slope)));
+      const step = classes ? (classes.get(value) ?? NO_CLASS) : Math.min(COLOURS - 1, Math.max(0, Math.round((value - scale.min) * slope)));
       const light = shaded && col >= first && col < last ? Math.min(LIGHTS - 1, Math.round((shaded.light[from + col] as number) * LIGHTS)) : LEVEL;
       pixels[row * cols + col] = colours[light * COLOURS + step] as number;
     }

@@ -1,0 +1,109 @@
+// The pane of the map: what is chosen on the left, the map, and what moves it on the right.
+
+import type { Store, View } from "../state";
+import { h } from "../ui/dom";
+import type { Ground } from "./ground";
+import type { Layers } from "./layers";
+import type { Readout } from "./readout";
+import type { Sides } from "./side";
+
+const HEIGHTS: readonly (number | undefined)[] = [undefined, 0.5, 1, 2, 3, 5, 10];
+
+/** Width of the column on the left. */
+const COLUMN_PX = 290;
+
+export class MapPane {
+  readonly element: HTMLElement;
+  private readonly relief: HTMLButtonElement;
+  private readonly alternatives: HTMLButtonElement;
+  private readonly solid: HTMLButtonElement;
+  private readonly halves: HTMLButtonElement;
+  private readonly heights = h("select", { "aria-label": "Heights stretched by", title: "Heights stretched by (h)", hidden: true }, HEIGHTS.map((by) => h("option", { value: by ?? "" }, by === undefined ? "heights: auto" : `heights × ${by}`)));
+  /** The line between two runs in three dimensions; the flat map draws its own. */
+  private readonly divide = h("div", { class: "divide", hidden: true }, h("b", {}, "A"), h("b", {}, "B"));
+
+  constructor(
+    private readonly store: Store,
+    private readonly sides: Sides,
+    private readonly ground: Ground,
+    layers: Layers,
+    readout: Readout,
+  ) {
+    const button = (label: string, title: string, onclick: () => void): HTMLButtonElement => h("button", { type: "button", title, "aria-pressed": "false", onclick }, label);
+    const { view } = store;
+    this.relief = button("relief", "Relief (s)", () => store.set({ shaded: !view.shaded }));
+    this.alternatives = button("alternatives", "Ways of all alternatives in the plan family (w)", () => store.set({ alternatives: !view.alternatives }));
+    this.solid = button("3-D", "Ground in three dimensions (v)", () => store.set({ solid: !view.solid }));
+    this.halves = button("side by side", "A and B side by side, or divided by a wipe (b)", () => this.swapSplit());
+    this.heights.addEventListener("change", () => store.set({ heights: this.heights.value === "" ? undefined : Number(this.heights.value) }));
+    const round = (label: string, title: string, name: string, onclick: () => void): HTMLElement => h("button", { type: "button", title, "aria-label": name, onclick }, label);
+    this.element = h(
+      "section",
+      { class: "map-pane", "aria-label": "Map" },
+      ground.mapCanvas,
+      ground.solidCanvas,
+      this.divide,
+      h(
+        "div",
+        { class: "map-left" },
+        h("div", { class: "map-tools" }, layers.element, layers.aspects, layers.colours, this.relief, this.alternatives, this.solid, this.heights, this.halves),
+        layers.note,
+        readout.element,
+      ),
+      h(
+        "div",
+        { class: "zoom-tools" },
+        round("+", "Zoom in (+)", "Zoom in", () => ground.zoom(1.25)),
+        round("−", "Zoom out (−)", "Zoom out", () => ground.zoom(0.8)),
+        round("⤢", "Whole map (0)", "Whole map", () => ground.fit()),
+      ),
+      ground.legend.element,
+    );
+    this.listenDivide();
+  }
+
+  show(view: View): void {
+    const two = this.sides.b?.run !== undefined;
+    const pressed: [HTMLElement, boolean][] = [[this.relief, view.shaded], [this.alternatives, view.alternatives], [this.solid, view.solid], [this.halves, view.split === "halves"]];
+    for (const [button, on] of pressed) button.setAttribute("aria-pressed", String(on));
+    this.element.dataset.split = two ? view.split : "none";
+    this.element.dataset.readout = this.inTheWay(view) ? "right" : "left";
+    this.element.toggleAttribute("data-solid", this.ground.solid);
+    this.halves.hidden = !two;
+    this.heights.hidden = !this.ground.solid;
+    this.heights.value = String(view.heights ?? "");
+    this.divide.hidden = !two || !this.ground.solid;
+    this.divide.style.left = `${100 * (view.split === "halves" ? 0.5 : view.wipe)}%`;
+  }
+
+  /** Whether values on the left would hide what they are of. */
+  private inTheWay(view: View): boolean {
+    if (this.sides.b?.run && view.split === "halves") return view.probed === "a";
+    return (this.ground.probeX ?? Number.POSITIVE_INFINITY) < COLUMN_PX;
+  }
+
+  swapSplit(): void {
+    this.store.set({ split: this.store.view.split === "halves" ? "wipe" : "halves" });
+  }
+
+  nextHeights(): void {
+    const { heights } = this.store.view;
+    this.store.set({ heights: HEIGHTS[(HEIGHTS.indexOf(heights) + 1) % HEIGHTS.length] });
+  }
+
+  /** Says that the ground cannot stand up here. */
+  noSolid(): void {
+    this.solid.disabled = true;
+    this.solid.title = "This browser has no WebGL";
+  }
+
+  private listenDivide(): void {
+    const { divide } = this;
+    divide.addEventListener("pointerdown", (event) => divide.setPointerCapture(event.pointerId));
+    divide.addEventListener("pointermove", (event) => {
+      if (!divide.hasPointerCapture(event.pointerId)) return;
+      const { left, width } = this.element.getBoundingClientRect();
+      this.store.set({ split: "wipe", wipe: Math.min(1, Math.max(0, (event.clientX - left) / width)) });
+    });
+  }
+}

@@ -1,0 +1,51 @@
+// The prices of goals that were left out: asked for when they are wanted, because they take a while to work out.
+
+import type { Prices } from "../derived/types";
+import { h } from "../ui/dom";
+import { goalName } from "../ui/format";
+import { priceList } from "../ui/prices";
+import type { Side, Sides } from "./side";
+
+export class PriceTags {
+  /** What stands in a goal's detail, by decision and goal: it lasts while the detail is made anew around it. */
+  private readonly tags = new Map<string, HTMLElement>();
+  private of: Side | undefined;
+
+  constructor(private readonly sides: Sides) {}
+
+  /** The place of a goal's prices. */
+  tag(goal: number, decision: number): HTMLElement {
+    const { a } = this.sides;
+    if (this.of !== a) {
+      this.tags.clear();
+      this.of = a;
+    }
+    const key = `${decision}/${goal}/${a?.derivable !== undefined}`;
+    const known = this.tags.get(key);
+    if (known) return known;
+    const made = h("div", { class: "price-tag", "aria-live": "polite" });
+    this.tags.set(key, made);
+    const index = a?.derivable;
+    if (index && "unavailable" in index) made.append(h("p", { class: "sub" }, index.unavailable ? `no prices: ${index.unavailable}` : "what it would have taken: wisdom view LOG, or wisdom explain LOG"));
+    // What is inside the page need not be waited for.
+    else if (index?.inLog) this.ask(made, goal, decision);
+    else made.append(h("button", { type: "button", onclick: () => this.ask(made, goal, decision) }, "What would it have taken?"));
+    return made;
+  }
+
+  private ask(place: HTMLElement, goal: number, decision: number): void {
+    const { a } = this.sides;
+    if (!a) return;
+    place.replaceChildren(h("p", { class: "sub" }, "Being worked out; go on meanwhile …"));
+    a.derived.prices(decision).then(
+      (prices) => place.replaceChildren(told(prices, goal)),
+      (error: Error) => place.replaceChildren(h("p", { class: "sub" }, `It could not be worked out: ${error.message}`), h("button", { type: "button", onclick: () => this.ask(place, goal, decision) }, "Again")),
+    );
+  }
+}
+
+const told = (prices: Prices | undefined, goal: number): HTMLElement => {
+  if (!prices) return h("p", { class: "sub" }, "The prices of this decision are not in this page.");
+  const tag = prices.tags.find((one) => one.goal === goalName(goal));
+  return tag ? priceList(tag, prices.limits) : h("p", { class: "sub" }, "It was not among the goals left out that have a price.");
+};
