@@ -89,7 +89,7 @@ export const ground = async ({ proves, shoot, drawn, server, one, two, sample })
     await legend(tab, "-1.00");
     assert.ok((await tab.locator(".legend").innerText()).startsWith(index.planes.find(({ name }) => name === `credit-${index.experts[0]}`).label));
     assert.deepEqual(await tab.locator(".legend .ticks span").allInnerTexts(), ["-1.00", "-0.50", "0.00", "0.50", "1.00"]);
-    assert.deepEqual(asked.filter((url) => !url.startsWith(server.url) && !/^(blob|data):/.test(url)), []);
+    assert.deepEqual(asked.filter((url) => !url.startsWith(one) && !/^(blob|data):/.test(url)), []);
   });
 
   await proves("a layer of classes has a legend of names, and no colours between them", async (at) => {
@@ -298,7 +298,7 @@ export const ground = async ({ proves, shoot, drawn, server, one, two, sample })
     await ready(tab);
     await drawn(tab, 1);
     const { name, bytes } = await saved(tab, "Map as SVG");
-    assert.match(name, /^paper-1-interest\.svg$/);
+    assert.match(name, /^paper-d1-map-interest\.svg$/);
     const svg = bytes.toString();
     assert.match(svg, /paper, decision 1 at 0:05 h: interest/);
     assert.match(svg, /href="data:image\/png;base64,/);
@@ -329,7 +329,7 @@ export const ground = async ({ proves, shoot, drawn, server, one, two, sample })
     await tab.keyboard.press("Enter");
     await press(tab, ["Tab", "Tab", "Tab"]);
     const [download] = await Promise.all([tab.waitForEvent("download"), tab.keyboard.press("Enter")]);
-    assert.equal(download.suggestedFilename(), "goals-0.csv");
+    assert.equal(download.suggestedFilename(), "paper-d0-goals.csv");
     assert.equal(await tab.locator(".play").innerText(), "▶", "the space bar opened the menu and did not play");
   });
 

@@ -4,42 +4,17 @@ import { createServer } from "node:http";
 import { readFileSync } from "node:fs";
 import { chromium } from "playwright-core";
 
-import { deriver } from "./derived.mjs";
-
 export const page = readFileSync(new URL("../dist/index.html", import.meta.url));
 
 /** The page with a block in it, right before the place that it draws in. */
 const withBlock = (block) => page.toString().replace('<div id="app">', () => `${block}<div id="app">`);
 
-/** The page as a server hands it out, with the word where its logs are. */
-const told = (...names) => {
-  const side = (name, i) => [["a", "b"][i], { name, log: `${["a", "b"][i]}/log`, derived: `${["a", "b"][i]}/derived` }];
-  return withBlock(`<script type="application/json" id="served">${JSON.stringify(Object.fromEntries(names.map(side)))}</script>`);
-};
-
-/** Serves the bare page at /, with a log at /one/, with two at /two/; logs by ranges, and what is derived from them. */
-export const serve = async (log, beside) => {
-  const { derive, close } = await deriver([log, beside]);
-  return new Promise((resolve) => {
-    const pages = { "/": page, "/one/": told("run.mcap"), "/two/": told("run.mcap", "other.mcap") };
-    const server = createServer(async (request, response) => {
-      const { pathname } = new URL(request.url, "http://localhost");
-      if (pages[pathname]) return response.writeHead(200, { "Content-Type": "text/html" }).end(pages[pathname]);
-      const [, side, derived] = /^\/(?:one|two)\/([ab])\/derived\/(.+)$/.exec(pathname) ?? [];
-      if (derived) {
-        const { status, type, body } = await derive(derived, side);
-        return response.writeHead(status, { "Content-Type": type }).end(body);
-      }
-      const bytes = { a: log, b: beside }[/^\/(?:one|two)\/([ab])\/log$/.exec(pathname)?.[1]];
-      if (!bytes) return response.writeHead(404).end();
-      const range = /bytes=(\d+)-(\d+)/.exec(request.headers.range ?? "");
-      if (!range) return response.writeHead(200).end(bytes);
-      const [from, to] = [Number(range[1]), Math.min(Number(range[2]), bytes.length - 1)];
-      response.writeHead(206, { "Content-Range": `bytes ${from}-${to}/${bytes.length}` }).end(bytes.subarray(from, to + 1));
-    });
-    server.listen(0, "127.0.0.1", () => resolve({ url: `http://127.0.0.1:${server.address().port}/`, close: () => (close(), server.close()) }));
+/** Serves the bare page, as any web server could. */
+export const serve = () =>
+  new Promise((resolve) => {
+    const server = createServer((request, response) => (request.url === "/" ? response.writeHead(200, { "Content-Type": "text/html" }).end(page) : response.writeHead(404).end()));
+    server.listen(0, "127.0.0.1", () => resolve({ url: `http://127.0.0.1:${server.address().port}/`, close: () => server.close() }));
   });
-};
 
 /** The page with a log inside, as it is mailed, and what is derived from it. */
 export const inlined = (log, name, derived) =>

@@ -1,18 +1,22 @@
 // The page: map on the left, decision on the right, timeline below, and one record of what is looked at.
 
-import { Address } from "./page/address";
 import { saveCsv, savePng, saveSvg } from "./page/exports";
+import { Growth } from "./page/growth";
 import { Ground } from "./page/ground";
 import { Intake } from "./page/intake";
 import { listenKeys } from "./page/keys";
 import type { Keys } from "./page/keys";
 import { Layers } from "./page/layers";
+import { Links } from "./page/links";
 import { MapPane } from "./page/map-pane";
 import { Player } from "./page/player";
+import { paperOf } from "./page/paper";
+import { listenPrint } from "./page/print";
 import { PriceTags } from "./page/prices";
 import { Readout } from "./page/readout";
 import { Side } from "./page/side";
 import type { Sides } from "./page/side";
+import { TimePane } from "./page/time-pane";
 import { applyTheme, keptTheme, nextTheme } from "./page/theme";
 import type { Given } from "./given";
 import type { Tell } from "./read/protocol";
@@ -21,9 +25,8 @@ import type { Tab, View } from "./state";
 import { h } from "./ui/dom";
 import { Header } from "./ui/header";
 import { helpDialog } from "./ui/help";
-import { Banner, Hint } from "./ui/notices";
+import { Banner, Hint, Toast } from "./ui/notices";
 import { Panel } from "./ui/panel";
-import { TimelineView } from "./view/timeline";
 
 const TABS: readonly Tab[] = ["goals", "changes", "plans", "run", "other"];
 
@@ -38,7 +41,7 @@ export class App {
   private readonly hint = new Hint();
   private readonly help = helpDialog();
   private readonly intake = new Intake((files, beside) => this.take(files, beside));
-  private readonly address = new Address(() => this.followAddress());
+  private readonly links = new Links(this.store, this.sides, this.layers, (index) => this.player.seek(index));
   private readonly header = new Header({
     png: () => savePng(this.store.view, this.sides, this.ground),
     svg: () => saveSvg(this.store.view, this.sides, this.ground),
@@ -63,7 +66,7 @@ export class App {
     () => this.mapPane.noSolid(),
   );
   private readonly mapPane = new MapPane(this.store, this.sides, this.ground, this.layers, this.readout);
-  private readonly timeline = new TimelineView(h("canvas", { class: "lanes", tabindex: 0, "aria-label": "Timeline of decisions, events and goals" }), {
+  private readonly time = new TimePane(this.store, this.sides, this.player, {
     seek: (index) => this.player.seek(index),
     pick: (goal) => this.store.set({ goal }),
     hint: (text, x, y) => this.hint.show(text, x, y),
@@ -71,28 +74,26 @@ export class App {
   private readonly panel = new Panel(h("aside", { "aria-label": "Decision" }), this.store, {
     step: (by) => this.player.seek(this.store.view.index + by),
     seek: (index) => this.player.seek(index),
-    part: (index) => {
-      this.store.set({ axis: "decision" });
-      this.player.seek(index);
-    },
+    part: (index) => this.part(index),
     close: () => this.closeOther(),
     pick: (goal) => this.store.set({ goal }),
     option: (option) => this.store.set({ option }),
     price: (goal, decision) => this.prices.tag(goal, decision),
     attachment: (name) => this.sides.a?.client.attachment(name) ?? Promise.resolve(undefined),
   });
-  private readonly axisButton = h("button", { type: "button", title: "Axis of the timeline (t)", onclick: () => this.swapAxis() });
+  private readonly growth = new Growth(this.sides, this.layers);
+  private readonly toast = new Toast();
   private readonly main: HTMLElement;
 
   constructor(root: HTMLElement) {
-    this.main = h("main", { hidden: true }, this.mapPane.element, this.panel.element, this.timePane());
-    root.append(this.header.element, this.banner.element, this.main, this.intake.welcome, this.hint.element, this.intake.file);
+    this.main = h("main", { hidden: true }, this.mapPane.element, this.panel.element, this.time.element);
+    root.append(this.header.element, this.banner.element, this.main, this.intake.welcome, this.hint.element, this.toast.element, this.intake.file);
     this.store.listen((changed) => this.update(changed));
     listenKeys(() => this.keys());
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.redraw());
     this.store.view.theme = keptTheme();
     applyTheme(this.store.view.theme);
-    this.axisLabel();
+    listenPrint(() => paperOf(this.store.view, this.sides, this.header.facts, this.ground, this.panel, this.time), (on) => applyTheme(on ? "light" : this.store.view.theme));
   }
 
   /** Opens a log in place of the one that is open. */
@@ -118,6 +119,7 @@ export class App {
     delete document.documentElement.dataset.other;
     const { view } = this.store;
     this.store.set({ tab: view.tab === "other" ? "goals" : view.tab, probed: "a" });
+    this.timeSize();
     this.layers.offer();
     this.headline();
     this.store.grown();
@@ -135,31 +137,42 @@ export class App {
   /** What can be derived has become known. */
   private learned(): void {
     this.layers.offer();
+    this.links.follow();
     this.store.grown();
   }
 
   private hear({ run }: Side, tell: Tell): void {
-    if (tell.kind === "failed") this.banner.say("damaged", tell.text);
+    if (tell.kind === "failed") this.failed(tell.text);
     if (run && tell.kind === "facts") {
       this.main.hidden = false;
+      this.main.classList.remove("empty");
       this.store.set({ index: 0, goal: undefined, option: undefined, probe: undefined });
       this.headline();
     }
     if (run && tell.kind === "batch") {
       this.layers.offer();
       this.header.progress(run);
-      this.followAddress();
+      this.links.follow();
     }
     if (run && tell.kind === "end") {
       this.layers.offer();
       this.headline();
+      this.links.follow();
       const { wholeness } = tell;
       const fault = "text" in wholeness ? wholeness.text : "";
-      if (run.moments.length === 0) this.banner.say("damaged", `${run.facts.name} holds no decision. ${fault}`);
+      this.main.classList.toggle("empty", run.moments.length === 0);
+      if (run.moments.length === 0) this.banner.say(wholeness.kind === "whole" ? "unfinished" : wholeness.kind, `${run.facts.name}: no decision is to be had. ${fault || "What the file holds is listed below."}`);
       else this.banner.say(wholeness.kind, fault);
       document.documentElement.dataset.ready = "true";
     }
     this.store.grown();
+  }
+
+  /** What could not even be begun: there is nothing to show but why. */
+  private failed(text: string): void {
+    this.banner.say("damaged", text);
+    this.intake.welcome.hidden = this.sides.a?.run !== undefined;
+    document.documentElement.dataset.ready = "true";
   }
 
   private hearOther({ run }: Side, tell: Tell): void {
@@ -167,9 +180,11 @@ export class App {
     if (run && tell.kind === "end") {
       if ("text" in tell.wholeness) this.banner.say(tell.wholeness.kind, `B: ${tell.wholeness.text}`);
       this.layers.offer();
-      this.store.set({ tab: "other" });
+      if (!this.links.tab) this.store.set({ tab: "other" });
       this.headline();
       document.documentElement.dataset.other = "true";
+      this.timeSize();
+      this.links.follow();
     }
     this.store.grown();
   }
@@ -186,35 +201,22 @@ export class App {
     const moment = run?.moment(view.index);
     if (a) a.index = view.index;
     if (moment) b?.follow(view.index, moment.timeS, view.axis);
-    if (!run || run.moments.length === 0) return;
-    if (moment && touched("index")) this.address.write(moment.number);
-    if (touched("index", "layer", "aspect", "log", "colours", "shaded", "axis")) void this.ground.show();
-    else this.ground.draw();
+    if (!run) return;
+    if (run.moments.length === 0) {
+      if (touched("log")) this.panel.show(run, undefined);
+      return;
+    }
+    this.links.write();
+    const grown = touched("log") && this.growth.news();
+    if (touched("index", "layer", "aspect", "colours", "shaded", "axis") || grown) void this.ground.show();
+    else if (changed.size > 1 || !touched("log")) this.ground.draw();
     this.mapPane.show(view);
-    if (touched("index", "goal", "axis", "log", "theme")) this.timeline.show({ run, index: view.index, axis: view.axis, goal: view.goal });
-    if (touched("index", "goal", "tab", "option", "axis") || (touched("log") && this.panelIsOld())) this.panel.show(run, b?.run && { run: b.run, index: b.index });
+    if (touched("index", "goal", "axis", "theme") || (touched("log") && this.growth.due())) this.time.show(run);
+    if (touched("index", "goal", "tab", "option", "axis") || grown) this.panel.show(run, b?.run && { run: b.run, index: b.index });
+    else if (touched("log")) this.panel.count(run);
     this.readout.show(view);
-    if (touched("axis")) this.axisLabel();
-    if (touched("playing")) this.player.show();
+    if (touched("playing", "pace", "loop")) this.player.show();
     this.layers.show();
-  }
-
-  /** While a log comes in, what the panel shows seldom changes: the count of decisions, and the end. */
-  private panelIsOld(): boolean {
-    const { a, b } = this.sides;
-    const now = `${a?.run?.moments.length}${a?.run?.wholeness.kind}${b?.run?.moments.length}`;
-    const old = this.panel.element.dataset.shown !== now;
-    this.panel.element.dataset.shown = now;
-    return old;
-  }
-
-  private timePane(): HTMLElement {
-    return h(
-      "section",
-      { class: "time-pane", "aria-label": "Timeline" },
-      this.timeline.canvas,
-      h("div", { class: "time-tools" }, this.player.button, this.axisButton),
-    );
   }
 
   private headline(): void {
@@ -222,18 +224,22 @@ export class App {
     if (a?.run) this.header.show(a.run, b?.run);
   }
 
-  private followAddress(): void {
-    const run = this.sides.a?.run;
-    const index = run && this.address.found(run);
-    if (index !== undefined) this.player.seek(index);
+  /** To the first decision that the two runs took otherwise. */
+  private part(index: number): void {
+    this.store.set({ axis: "decision", tab: "other" });
+    this.player.seek(index);
   }
 
-  private swapAxis(): void {
-    this.store.set({ axis: this.store.view.axis === "time" ? "decision" : "time" });
+  private firstDivergence(): void {
+    const { a, b } = this.sides;
+    const first = a?.run && b?.run && this.panel.other.firstDivergence(a.run, b.run);
+    if (first !== undefined) this.part(first);
+    else if (b) this.toast.say("The runs choose alike throughout.");
   }
 
-  private axisLabel(): void {
-    this.axisButton.textContent = this.store.view.axis === "time" ? "by time" : "by decision";
+  /** Two runs need more room for their lanes. */
+  private timeSize(): void {
+    this.main.classList.toggle("two", this.sides.b !== undefined);
   }
 
   private swapTheme(): void {
@@ -242,7 +248,7 @@ export class App {
 
   private redraw(): void {
     this.ground.redraw();
-    this.timeline.redraw();
+    this.time.redraw();
   }
 
   private keys(): Keys {
@@ -260,13 +266,18 @@ export class App {
       g: () => this.focusGoals(),
       "/": () => this.focusGoals("input"),
       m: () => ground.canvas.focus(),
-      t: () => this.swapAxis(),
+      t: () => this.time.swapAxis(),
       v: () => store.set({ solid: !view.solid }),
       h: ground.solid ? () => this.mapPane.nextHeights() : undefined,
       s: () => store.set({ shaded: !view.shaded }),
       w: () => store.set({ alternatives: !view.alternatives }),
       a: () => layers.nextAspect(),
-      b: this.sides.b ? () => this.mapPane.swapSplit() : undefined,
+      b: this.sides.b ? () => this.mapPane.modes.next() : undefined,
+      f: this.sides.b ? () => this.firstDivergence() : undefined,
+      ",": () => player.hurry(-1),
+      ".": () => player.hurry(1),
+      r: () => player.loop(),
+      y: () => void this.links.copy().then((words) => this.toast.say(words)),
       d: () => this.swapTheme(),
       o: () => this.intake.choose(false),
       c: () => this.intake.choose(true),

@@ -27,6 +27,8 @@ export interface View {
   playing: boolean;
   /** Decisions a second. */
   pace: number;
+  /** Whether playing begins anew at the end. */
+  loop: boolean;
   /** The goal picked out. */
   goal: number | undefined;
   /** The member of the plan family picked out. */
@@ -57,6 +59,7 @@ export class Store {
     tab: "goals",
     playing: false,
     pace: 2,
+    loop: false,
     goal: undefined,
     option: undefined,
     wipe: 0.62,

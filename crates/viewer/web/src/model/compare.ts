@@ -5,17 +5,10 @@
 // because each run gives its own.
 
 import { sequence } from "./changes";
+import { samePlace } from "./pairs";
+import type { Pair } from "./pairs";
 import type { Run } from "./run";
 import type { Goal, GridSpec, Moment } from "./types";
-
-/** One row of two sequences side by side; a side is absent where the other has a goal that it has not. */
-export interface Pair {
-  a?: Goal;
-  b?: Goal;
-}
-
-export const samePlace = (a: Goal, b: Goal, grid: GridSpec, radiusM: number): boolean =>
-  a.directive === b.directive && Math.hypot(a.target.row - b.target.row, a.target.col - b.target.col) * grid.spacingM <= radiusM;
 
 const goalsOf = (moment: Moment): Goal[] => {
   const goals = new Map(moment.verdicts.map(({ goal }) => [goal.id, goal]));
@@ -23,7 +16,7 @@ const goalsOf = (moment: Moment): Goal[] => {
 };
 
 /** The chosen sequences of two decisions, aligned by place: the least that must be put in and taken out. */
-export const aligned = (a: Moment, b: Moment, grid: GridSpec, radiusM: number): Pair[] => {
+export const aligned = (a: Moment, b: Moment, grid: GridSpec, radiusM: number): Pair<Goal>[] => {
   const [left, right] = [goalsOf(a), goalsOf(b)];
   const alike = (i: number, j: number): boolean => {
     const [one, other] = [left[i], right[j]];
@@ -37,7 +30,7 @@ export const aligned = (a: Moment, b: Moment, grid: GridSpec, radiusM: number): 
       best[i * width + j] = alike(i, j) ? entry(i + 1, j + 1) + 1 : Math.max(entry(i + 1, j), entry(i, j + 1));
     }
   }
-  const pairs: Pair[] = [];
+  const pairs: Pair<Goal>[] = [];
   let [i, j] = [0, 0];
   while (i < left.length || j < right.length) {
     if (alike(i, j) && entry(i, j) === entry(i + 1, j + 1) + 1) pairs.push({ a: left[i++], b: right[j++] });
@@ -60,3 +53,13 @@ export const firstDivergence = (a: Run, b: Run): number | undefined => {
   }
   return a.moments.length === b.moments.length ? undefined : most;
 };
+
+/** Whether cells of the two runs are the same ground: without that, no place of one is a place of the other. */
+export const sameGround = (a: GridSpec, b: GridSpec): boolean =>
+  a.rows === b.rows && a.cols === b.cols && a.spacingM === b.spacingM && a.westM === b.westM && a.northM === b.northM;
+
+/** What the files say of the runs, key by key, in the order of the first. */
+export const factPairs = (a: Run, b: Run): { key: string; a: string; b: string }[] =>
+  [...new Set([...Object.keys(a.facts.run), ...Object.keys(b.facts.run)])]
+    .filter((key) => !key.startsWith("end."))
+    .map((key) => ({ key, a: a.facts.run[key] ?? "", b: b.facts.run[key] ?? "" }));

@@ -1,7 +1,8 @@
 // A run as far as it was read.
 
 import type { Batch } from "../read/protocol";
-import type { Cell, Happening, Look, Moment, Outcome, PlaneName, RunFacts, TextLine, TopicCount, Verdict, Wholeness } from "./types";
+import { Lives } from "./lives";
+import type { Cell, Checks, Happening, Look, Moment, Outcome, PlaneName, RunFacts, TextLine, TopicCount, Verdict, Wholeness } from "./types";
 
 export class Run {
   readonly moments: Moment[] = [];
@@ -13,13 +14,19 @@ export class Run {
   topics: TopicCount[] = [];
   wholeness: Wholeness = { kind: "reading" };
   end: Record<string, string> = {};
+  /** What was held against its CRC; there once the file was read. */
+  checks: Checks | undefined;
   readBytes = 0;
-  private said: { index: number; all: Map<number, { verdict: Verdict; index: number }> } | undefined;
+  readonly lives = new Lives();
+  private said: { index: number; of: number; all: Map<number, { verdict: Verdict; index: number }> } | undefined;
+  private driven: { index: number; of: number; tracks: Cell[][] } | undefined;
+  private readonly byGoal = new WeakMap<Moment, Map<number, Verdict>>();
 
   constructor(readonly facts: RunFacts) {}
 
   add(batch: Batch): void {
     this.moments.push(...batch.moments);
+    this.lives.take(this.moments);
     for (const outcome of batch.outcomes) this.outcomes.set(outcome.decision, outcome);
     this.looks.push(...batch.looks);
     this.happenings.push(...batch.happenings);
@@ -52,21 +59,41 @@ export class Run {
 
   /** Cells driven before a decision, one list a drive. */
   tracks(index: number): Cell[][] {
-    return this.moments.slice(0, index).flatMap((moment) => {
+    // Asked for at every frame of a pan.
+    if (this.driven?.index === index && this.driven.of === this.outcomes.size) return this.driven.tracks;
+    const tracks = this.moments.slice(0, index).flatMap((moment) => {
       const track = this.outcomes.get(moment.number)?.track ?? [];
       return track.length > 1 ? [track] : [];
     });
+    this.driven = { index, of: this.outcomes.size, tracks };
+    return tracks;
+  }
+
+  /** What a decision said of a goal. */
+  verdict(index: number, goal: number): Verdict | undefined {
+    const moment = this.moments[index];
+    if (!moment) return undefined;
+    let known = this.byGoal.get(moment);
+    if (!known) {
+      known = new Map(moment.verdicts.map((verdict) => [verdict.goal.id, verdict]));
+      this.byGoal.set(moment, known);
+    }
+    return known.get(goal);
   }
 
   /** What was said last of every goal known by a decision, ended ones included. */
   verdictsUpTo(index: number): ReadonlyMap<number, { verdict: Verdict; index: number }> {
-    // Asked for at every frame of a pan.
-    if (this.said?.index === index) return this.said.all;
+    if (this.said?.index === index && this.said.of === this.moments.length) return this.said.all;
     const said = new Map<number, { verdict: Verdict; index: number }>();
-    for (let i = 0; i <= index; i++) {
-      for (const verdict of this.moments[i]?.verdicts ?? []) said.set(verdict.goal.id, { verdict, index: i });
+    for (const { goal, first, last } of this.lives.all()) {
+      for (let i = Math.min(index, last); i >= first; i--) {
+        const verdict = this.verdict(i, goal);
+        if (!verdict) continue;
+        said.set(goal, { verdict, index: i });
+        break;
+      }
     }
-    this.said = { index, all: said };
+    this.said = { index, of: this.moments.length, all: said };
     return said;
   }
 }

@@ -20,3 +20,7 @@ export const stateOf = (verdict: Verdict, moment: Moment): GoalState => {
   if (verdict.action === "defer" || verdict.turn === undefined) return "deferred";
   return moment.act.name === "pursue" && moment.act.goal === verdict.goal.id ? "next" : "planned";
 };
+
+/** The chance to get as far as a goal by the chosen plan; nothing if it is not in it. */
+export const reliability = (verdict: Verdict, moment: Moment): number | undefined =>
+  verdict.turn === undefined ? undefined : moment.legs.find((leg) => leg.goal === verdict.goal.id)?.reliabilitySoFar;

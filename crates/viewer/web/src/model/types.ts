@@ -215,6 +215,9 @@ export interface TopicCount {
   bytes: number;
   /** Whether the viewer reads it. */
   known: boolean;
+  /** Messages that could not be decoded, and why the first could not. */
+  unread: number;
+  why: string;
 }
 
 /** What the file's envelope says. */
@@ -237,6 +240,22 @@ export type Wholeness =
   | { kind: "unfinished"; text: string }
   | { kind: "cut"; at: number; text: string }
   | { kind: "damaged"; at: number; text: string };
+
+/** How one CRC came out: `absent` if the file has none, `unread` if reading did not get there. */
+export type CrcCheck = "right" | "wrong" | "absent" | "unread";
+
+/** What was held against its CRC while a file was read. */
+export interface Checks {
+  /** By the file's index, or record by record from the front. */
+  way: "index" | "front";
+  chunks: number;
+  /** How many of them carry a CRC; a chunk that fails it is not counted as read. */
+  chunkCrcs: number;
+  attachments: number;
+  attachmentsWrong: number;
+  summary: CrcCheck;
+  data: CrcCheck;
+}
 
 /** A plane that can be asked for. */
 export interface PlaneName {

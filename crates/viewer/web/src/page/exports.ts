@@ -2,6 +2,7 @@
 
 import type { View } from "../state";
 import { save } from "../ui/dom";
+import { fileName as fileOf } from "../ui/export";
 import { figurePng, figureSvg } from "../ui/figure";
 import { clock } from "../ui/format";
 import type { GoalTable } from "../ui/goals";
@@ -11,7 +12,8 @@ import type { Sides } from "./side";
 /** Pixels of a picture to one of the page. */
 const FINENESS = 2;
 
-const figureOf = (view: View, sides: Sides, ground: Ground): SVGSVGElement | undefined => {
+/** The flat map as a figure, with its title, legend and scale. */
+export const figureOf = (view: View, sides: Sides, ground: Ground): SVGSVGElement | undefined => {
   const run = sides.a?.run;
   const moment = run?.moment(view.index);
   if (!run || !moment) return undefined;
@@ -35,8 +37,8 @@ const figureOf = (view: View, sides: Sides, ground: Ground): SVGSVGElement | und
 
 const fileName = (view: View, sides: Sides, ending: string): string => {
   const run = sides.a?.run;
-  const words = [run?.facts.run.mission ?? "map", String(run?.moment(view.index)?.number ?? 0), view.layer.replace(/^.*:/, ""), ...(view.aspect === "value" ? [] : [view.aspect])];
-  return `${words.join("-")}.${ending}`;
+  const words = ["map", view.layer.replace(/^.*:/, ""), ...(view.aspect === "value" ? [] : [view.aspect])];
+  return run ? fileOf(run, run.moment(view.index), words.join("-"), ending) : `map.${ending}`;
 };
 
 export const saveSvg = (view: View, sides: Sides, ground: Ground): void => {
@@ -60,5 +62,5 @@ export const saveCsv = (view: View, sides: Sides, goals: GoalTable): void => {
   const moment = run?.moment(view.index);
   if (!run || !moment) return;
   goals.show(moment, run.moment(view.index - 1), run.facts, view.goal);
-  save(`goals-${moment.number}.csv`, new Blob([goals.csv()], { type: "text/csv" }));
+  save(fileOf(run, moment, "goals", "csv"), new Blob([goals.csv()], { type: "text/csv;charset=utf-8" }));
 };

@@ -4,6 +4,7 @@ import type { Store, View } from "../state";
 import { h } from "../ui/dom";
 import type { Ground } from "./ground";
 import type { Layers } from "./layers";
+import { Modes } from "./modes";
 import type { Readout } from "./readout";
 import type { Sides } from "./side";
 
@@ -17,7 +18,7 @@ export class MapPane {
   private readonly relief: HTMLButtonElement;
   private readonly alternatives: HTMLButtonElement;
   private readonly solid: HTMLButtonElement;
-  private readonly halves: HTMLButtonElement;
+  readonly modes: Modes;
   private readonly heights = h("select", { "aria-label": "Heights stretched by", title: "Heights stretched by (h)", hidden: true }, HEIGHTS.map((by) => h("option", { value: by ?? "" }, by === undefined ? "heights: auto" : `heights × ${by}`)));
   /** The line between two runs in three dimensions; the flat map draws its own. */
   private readonly divide = h("div", { class: "divide", hidden: true }, h("b", {}, "A"), h("b", {}, "B"));
@@ -34,7 +35,7 @@ export class MapPane {
     this.relief = button("relief", "Relief (s)", () => store.set({ shaded: !view.shaded }));
     this.alternatives = button("alternatives", "Ways of all alternatives in the plan family (w)", () => store.set({ alternatives: !view.alternatives }));
     this.solid = button("3-D", "Ground in three dimensions (v)", () => store.set({ solid: !view.solid }));
-    this.halves = button("side by side", "A and B side by side, or divided by a wipe (b)", () => this.swapSplit());
+    this.modes = new Modes(store);
     this.heights.addEventListener("change", () => store.set({ heights: this.heights.value === "" ? undefined : Number(this.heights.value) }));
     const round = (label: string, title: string, name: string, onclick: () => void): HTMLElement => h("button", { type: "button", title, "aria-label": name, onclick }, label);
     this.element = h(
@@ -46,7 +47,7 @@ export class MapPane {
       h(
         "div",
         { class: "map-left" },
-        h("div", { class: "map-tools" }, layers.element, layers.aspects, layers.colours, this.relief, this.alternatives, this.solid, this.heights, this.halves),
+        h("div", { class: "map-tools" }, layers.element, layers.aspects, layers.colours, this.relief, this.alternatives, this.solid, this.heights, this.modes.element),
         layers.note,
         readout.element,
       ),
@@ -64,12 +65,12 @@ export class MapPane {
 
   show(view: View): void {
     const two = this.sides.b?.run !== undefined;
-    const pressed: [HTMLElement, boolean][] = [[this.relief, view.shaded], [this.alternatives, view.alternatives], [this.solid, view.solid], [this.halves, view.split === "halves"]];
+    const pressed: [HTMLElement, boolean][] = [[this.relief, view.shaded], [this.alternatives, view.alternatives], [this.solid, view.solid]];
     for (const [button, on] of pressed) button.setAttribute("aria-pressed", String(on));
+    this.modes.show(two);
     this.element.dataset.split = two ? view.split : "none";
     this.element.dataset.readout = this.inTheWay(view) ? "right" : "left";
     this.element.toggleAttribute("data-solid", this.ground.solid);
-    this.halves.hidden = !two;
     this.heights.hidden = !this.ground.solid;
     this.heights.value = String(view.heights ?? "");
     this.divide.hidden = !two || !this.ground.solid;
@@ -80,10 +81,6 @@ export class MapPane {
   private inTheWay(view: View): boolean {
     if (this.sides.b?.run && view.split === "halves") return view.probed === "a";
     return (this.ground.probeX ?? Number.POSITIVE_INFINITY) < COLUMN_PX;
-  }
-
-  swapSplit(): void {
-    this.store.set({ split: this.store.view.split === "halves" ? "wipe" : "halves" });
   }
 
   nextHeights(): void {

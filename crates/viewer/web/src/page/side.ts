@@ -114,6 +114,7 @@ export class Side {
       run.wholeness = tell.wholeness;
       run.end = tell.run;
       run.topics = tell.topics;
+      run.checks = tell.checks;
       run.planes = tell.planes;
     }
   }

@@ -27,8 +27,8 @@ export class LogClient {
     return this.request((ticket) => ({ kind: "relief", ticket, plane, decision })) as Promise<Relief | undefined>;
   }
 
-  attachment(name: string): Promise<string | undefined> {
-    return this.request((ticket) => ({ kind: "attachment", ticket, name })) as Promise<string | undefined>;
+  attachment(name: string): Promise<Uint8Array<ArrayBuffer> | undefined> {
+    return this.request((ticket) => ({ kind: "attachment", ticket, name })) as Promise<Uint8Array<ArrayBuffer> | undefined>;
   }
 
   close(): void {
@@ -50,7 +50,7 @@ export class LogClient {
       this.waiting.get(tell.ticket)?.reject(new Error(tell.text));
       this.waiting.delete(tell.ticket);
     } else if (tell.kind === "plane" || tell.kind === "relief" || tell.kind === "attachment") {
-      const found = tell.kind === "plane" ? tell.plane : tell.kind === "relief" ? tell.relief : tell.text;
+      const found = tell.kind === "plane" ? tell.plane : tell.kind === "relief" ? tell.relief : tell.bytes;
       this.waiting.get(tell.ticket)?.resolve(found);
       this.waiting.delete(tell.ticket);
     } else {

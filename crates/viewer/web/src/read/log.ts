@@ -1,15 +1,14 @@
-// A log being read: what was found, told in batches, and planes made on request.
+// A log being read: what was found, told in batches.
 
-import { experts, identityRadiusM, layers } from "../model/mission";
-import { Knowledge, patched, planeOf } from "../model/plane";
+import { experts, identityRadiusM } from "../model/mission";
 import type { Plane } from "../model/plane";
-import type { GridSpec, PlaneName, TopicCount, Wholeness } from "../model/types";
-import { relief } from "../view/relief";
+import type { GridSpec, TopicCount, Wholeness } from "../model/types";
 import type { Relief } from "../view/relief";
 import { Container } from "./container";
 import type { Channel, End, Message, Piece } from "./container";
-import { Decoder, fault, list, look, message, moment, num, outcome, str, sub } from "./decode";
+import { Decoder, fault, look, message, moment, num, outcome, str } from "./decode";
 import type { Fields } from "./decode";
+import { Layers } from "./layers";
 import type { Batch, Tell } from "./protocol";
 import type { Source } from "./source";
 
@@ -17,35 +16,10 @@ import type { Source } from "./source";
 const KNOWN = new Set(["/in/observation", "/in/outcome", "/in/message", "/truth/fault", "/decision", "/log"]);
 /** Said by other topics too: drawn from the decisions themselves. */
 const REDUNDANT = new Set(["/scene", "/rover/pose", "/tf", "/terrain/interest"]);
-/** Planes kept decoded: of a large run a few megabytes each. */
-const KEPT_PLANES = 24;
 /** Readings of layers are wanted by few, and are most of the bytes: a look is decoded without them at first. */
 const READINGS = ["LayerWindow.values", "LayerWindow.uncertainty"];
-
-/** Where a Grid message lies. */
-interface GridPlace {
-  decision: number;
-  piece: Piece;
-  time: bigint;
-  patch: boolean;
-}
-
-interface LookPlace {
-  decision: number;
-  piece: Piece;
-  time: bigint;
-}
-
-/** Looks that lie in one chunk, together. */
-const byPiece = (looks: readonly LookPlace[]): LookPlace[][] => {
-  const groups = new Map<bigint, LookPlace[]>();
-  for (const look of looks) {
-    const group = groups.get(look.piece.offset) ?? [];
-    groups.set(look.piece.offset, group);
-    group.push(look);
-  }
-  return [...groups.values()];
-};
+/** A grid with longer sides is taken for nonsense. */
+const LONGEST_SIDE = 1 << 16;
 
 const emptyBatch = (): Batch => ({ moments: [], outcomes: [], looks: [], happenings: [], lines: [] });
 
@@ -54,16 +28,10 @@ const seconds = (ns: bigint): number => Number(ns / 1000n) / 1e6;
 export class LogReader {
   private readonly container: Container;
   private readonly decoders = new Map<string, Decoder>();
-  private readonly grids = new Map<string, GridPlace[]>();
-  private readonly lookPlaces: LookPlace[] = [];
-  private readonly layerNames = new Set<string>();
   private readonly attachments = new Map<string, Uint8Array>();
   private readonly counts = new Map<string, TopicCount>();
-  private readonly planes = new Map<string, Plane>();
-  private known: { layers: Map<string, Knowledge>; upTo: number } = { layers: new Map(), upTo: -1 };
+  private readonly layers: Layers;
   private readonly run: Record<string, string> = {};
-  private grid: GridSpec | undefined;
-  private mission = "";
   private decisions = 0;
   private ended = false;
   private told = false;
@@ -73,6 +41,7 @@ export class LogReader {
     private readonly tell: (tell: Tell) => void,
   ) {
     this.container = new Container(source);
+    this.layers = new Layers(this.container, (channel) => this.decoder(channel));
   }
 
   /** Reads the file from front to back. */
@@ -85,13 +54,13 @@ export class LogReader {
       if (it.kind === "metadata") {
         this.metadata(it.name, it.entries);
       } else if (it.kind === "attachment") {
-        this.attachments.set(it.name, it.data ?? new Uint8Array());
-        if (it.name === "mission/mission.toml") this.mission = this.attachmentText(it.name) ?? "";
+        this.attachments.set(it.name, it.data);
+        if (it.name === "mission/mission.toml") this.layers.mission = new TextDecoder().decode(it.data);
       } else {
         this.facts(bytes);
         const batch = this.chunk(it.piece, it.messages);
         const readBytes = Number(it.piece.offset + it.piece.length);
-        this.tell({ kind: "batch", batch, planes: this.planeNames(), readBytes });
+        this.tell({ kind: "batch", batch, planes: this.layers.names(), readBytes });
       }
     }
     this.facts(bytes);
@@ -100,28 +69,24 @@ export class LogReader {
       wholeness: this.wholeness(step.value, bytes),
       run: this.run,
       topics: [...this.counts.values()].sort((a, b) => a.topic.localeCompare(b.topic)),
-      planes: this.planeNames(),
+      planes: this.layers.names(),
+      checks: this.container.checks,
     });
   }
 
-  attachmentText(name: string): string | undefined {
-    const bytes = this.attachments.get(name);
-    return bytes && new TextDecoder().decode(bytes);
+  /** The bytes of an attachment; nothing if there is none of this name. */
+  attachment(name: string): Uint8Array | undefined {
+    return this.attachments.get(name);
   }
 
   /** A plane as it was at a decision; `undefined` if the log does not hold it. */
-  async plane(id: string, decision: number): Promise<Plane | undefined> {
-    const [kind, name] = [id.slice(0, id.indexOf(":")), id.slice(id.indexOf(":") + 1)];
-    if (kind === "map") return this.map(name, decision);
-    const known = await this.readings(name, decision);
-    const plane = kind === "read" ? known?.values : known?.doubt;
-    return plane && { ...plane, values: plane.values.slice() };
+  plane(id: string, decision: number): Promise<Plane | undefined> {
+    return this.layers.plane(id, decision);
   }
 
-  /** The hillshade of a plane, made here because it takes longer than a frame. */
-  async relief(id: string, decision: number): Promise<Relief | undefined> {
-    const plane = await this.plane(id, decision);
-    return plane && this.grid && relief(plane, this.grid.spacingM);
+  /** The hillshade of a plane. */
+  relief(id: string, decision: number): Promise<Relief | undefined> {
+    return this.layers.relief(id, decision);
   }
 
   private metadata(name: string, entries: Map<string, string>): void {
@@ -129,9 +94,10 @@ export class LogReader {
     if (name === "wisdom.end") this.ended = true;
     if (name === "wisdom.run") {
       const number = (key: string): number => Number(entries.get(key) ?? "0") || 0;
-      this.grid = {
-        rows: number("grid_rows"),
-        cols: number("grid_cols"),
+      const side = (key: string): number => (Number.isInteger(number(key)) && number(key) > 0 && number(key) <= LONGEST_SIDE ? number(key) : 0);
+      this.layers.grid = {
+        rows: side("grid_rows"),
+        cols: side("grid_cols"),
         spacingM: number("grid_spacing_m") || 1,
         westM: number("grid_west_m"),
         northM: number("grid_north_m"),
@@ -142,31 +108,35 @@ export class LogReader {
   private facts(bytes: number): void {
     if (this.told) return;
     this.told = true;
-    this.grid ??= { rows: 0, cols: 0, spacingM: 1, westM: 0, northM: 0 };
+    const nowhere: GridSpec = { rows: 0, cols: 0, spacingM: 1, westM: 0, northM: 0 };
+    this.layers.grid ??= nowhere;
     this.tell({
       kind: "facts",
       facts: {
         name: this.source.name,
         bytes,
         run: { ...this.run },
-        grid: this.grid,
+        grid: this.layers.grid,
         attachments: [...this.attachments].map(([name, data]) => ({ name, bytes: data.byteLength })),
-        experts: experts(this.mission),
-        identityRadiusM: identityRadiusM(this.mission),
+        experts: experts(this.layers.mission),
+        identityRadiusM: identityRadiusM(this.layers.mission),
       },
     });
   }
 
   private wholeness(end: End, bytes: number): Wholeness {
     const saved = `${this.decisions} decision${this.decisions === 1 ? "" : "s"} recovered`;
-    if (end.kind === "damaged") {
-      return { kind: "damaged", at: end.at, text: `Damaged at byte ${end.at} of ${bytes}: ${end.why}. ${saved}; nothing after that byte is shown.` };
+    switch (end.kind) {
+      case "foreign":
+        return { kind: "damaged", at: 0, text: `This is not an MCAP file (${bytes} bytes): ${end.why}.` };
+      case "damaged":
+        return { kind: "damaged", at: end.at, text: `Damaged at byte ${end.at} of ${bytes}: ${end.why}. ${saved}; ${end.stopped ? "nothing after that byte is shown" : "the rest was read on"}.` };
+      case "cut":
+        return { kind: "cut", at: end.at, text: `Cut short at byte ${end.at} of ${bytes}: ${end.why}. ${saved}.` };
+      case "whole":
+        // Of another program's log nothing is known to be missing.
+        return this.ended || !("log_version" in this.run) ? { kind: "whole" } : { kind: "unfinished", text: `The file is whole, but the run in it did not end. ${saved}.` };
     }
-    if (end.kind === "cut") {
-      return { kind: "cut", at: end.at, text: `Cut short at byte ${end.at} of ${bytes}: ${end.why}. ${saved}.` };
-    }
-    if (!this.ended) return { kind: "unfinished", text: `The file is whole, but the run in it did not end. ${saved}.` };
-    return { kind: "whole" };
   }
 
   private chunk(piece: Piece, messages: readonly Message[]): Batch {
@@ -174,29 +144,33 @@ export class LogReader {
     for (const one of messages) {
       const channel = this.container.channels.get(one.channelId);
       if (!channel) continue;
-      this.count(channel, one.data.byteLength);
-      this.take(channel, one, piece, batch);
+      const count = this.count(channel, one.data.byteLength);
+      try {
+        this.take(channel, one, piece, batch);
+      } catch (error) {
+        // Another program's topic of the same name, or a record that is none: said, and gone past.
+        count.unread += 1;
+        count.why ||= error instanceof Error ? error.message : String(error);
+      }
     }
     return batch;
   }
 
-  private count(channel: Channel, bytes: number): void {
-    const { topic } = channel;
+  private count({ topic, schemaId }: Channel, bytes: number): TopicCount {
     const known = KNOWN.has(topic) || REDUNDANT.has(topic) || topic.startsWith("/map/");
-    const schema = this.container.schemas.get(channel.schemaId)?.name ?? "";
-    const count = this.counts.get(topic) ?? { topic, schema, count: 0, bytes: 0, known };
-    this.counts.set(topic, { ...count, count: count.count + 1, bytes: count.bytes + bytes });
+    const schema = this.container.schemas.get(schemaId)?.name ?? "";
+    const count = this.counts.get(topic) ?? { topic, schema, count: 0, bytes: 0, known, unread: 0, why: "" };
+    this.counts.set(topic, count);
+    count.count += 1;
+    count.bytes += bytes;
+    return count;
   }
 
   private take(channel: Channel, one: Message, piece: Piece, batch: Batch): void {
     const { topic } = channel;
     const timeS = seconds(one.logTime);
     if (topic.startsWith("/map/")) {
-      const patch = topic.endsWith("/patch");
-      const name = topic.slice("/map/".length, patch ? -"/patch".length : undefined);
-      const places = this.grids.get(name) ?? [];
-      this.grids.set(name, places);
-      places.push({ decision: one.sequence, piece, time: one.logTime, patch });
+      this.layers.noteGrid(topic, one, piece);
       return;
     }
     if (!KNOWN.has(topic)) return;
@@ -211,8 +185,7 @@ export class LogReader {
         break;
       case "/in/observation": {
         const seen = look(fields(READINGS), this.decisions);
-        for (const { layer } of seen.windows) this.layerNames.add(layer);
-        if (seen.windows.length > 0) this.lookPlaces.push({ decision: this.decisions, piece, time: one.logTime });
+        this.layers.noteLook(seen.windows.map(({ layer }) => layer), this.decisions, one, piece);
         batch.looks.push(seen);
         break;
       }
@@ -239,94 +212,5 @@ export class LogReader {
     const made = Decoder.of(schema, without);
     this.decoders.set(key, made);
     return made;
-  }
-
-  private planeNames(): PlaneName[] {
-    const facts = layers(this.mission);
-    const unit = (layer: string): string => facts.get(layer)?.unit ?? "";
-    const maps = [...this.grids.keys()].map((name) => ({ id: `map:${name}`, label: name === "elevation" ? "elevation, as first known" : name, unit: unit(name) }));
-    const read = [...this.layerNames].flatMap((name): PlaneName[] => {
-      const classes = facts.get(name)?.classes.map((value) => ({ value, name: String(value) })) ?? [];
-      return [
-        { id: `read:${name}`, label: `${name} as read`, unit: unit(name), classes },
-        { id: `doubt:${name}`, label: `uncertainty of ${name} as read` },
-      ];
-    });
-    return [...maps, ...read];
-  }
-
-  /** The last whole map, and the patches since. */
-  private async map(name: string, decision: number): Promise<Plane | undefined> {
-    const places = (this.grids.get(name) ?? []).filter((place) => place.decision <= decision);
-    const last = places.at(-1);
-    const first = places.findLastIndex((place) => !place.patch);
-    if (!last || first < 0) return undefined;
-    const key = `${name}@${last.time}`;
-    const known = this.planes.get(key);
-    if (known) return known;
-    // The map of the decision before is likely at hand: then only the last patch is new.
-    const before = last.patch ? this.planes.get(`${name}@${places.at(-2)?.time}`) : undefined;
-    let plane = before;
-    for (const place of before ? [last] : places.slice(first)) {
-      const found = await this.gridAt(place);
-      plane = place.patch && plane ? patched(plane, found) : found;
-    }
-    if (plane) this.keep(key, plane);
-    return plane;
-  }
-
-  private keep(key: string, plane: Plane): void {
-    this.planes.set(key, plane);
-    const oldest = this.planes.keys().next().value;
-    if (this.planes.size > KEPT_PLANES && oldest !== undefined) this.planes.delete(oldest);
-  }
-
-  private async gridAt(place: GridPlace): Promise<Plane> {
-    const found = (await this.container.messages(place.piece)).find((one) => one.logTime === place.time);
-    const channel = found && this.container.channels.get(found.channelId);
-    if (!found || !channel || !this.grid) throw new Error(`the map of decision ${place.decision} is not where it was`);
-    const fields = this.decoder(channel).decode(found.data);
-    const corner = sub(sub(fields, "pose"), "position");
-    const field = list(fields, "fields")[0];
-    return planeOf(
-      {
-        westM: num(corner, "x"),
-        southM: num(corner, "y"),
-        cellM: num(sub(fields, "cellSize"), "x"),
-        cols: num(fields, "columnCount"),
-        rowStride: num(fields, "rowStride"),
-        cellStride: num(fields, "cellStride"),
-        offset: field ? num(field, "offset") : 0,
-        data: fields.data as Uint8Array,
-      },
-      this.grid,
-    );
-  }
-
-  /** What is known of a layer at a decision: all its readings until then, put together as the mission says. */
-  private async readings(layer: string, decision: number): Promise<Knowledge | undefined> {
-    if (!this.grid || !this.layerNames.has(layer)) return undefined;
-    if (this.known.upTo > decision) this.known = { layers: new Map(), upTo: -1 };
-    const { known } = this;
-    const unread = this.lookPlaces.filter((look) => look.decision > known.upTo && look.decision <= decision);
-    known.upTo = decision;
-    for (const places of byPiece(unread)) {
-      const messages = places[0] ? await this.container.messages(places[0].piece) : [];
-      for (const { time } of places) this.learn(messages.find(({ logTime }) => logTime === time));
-    }
-    return known.layers.get(layer);
-  }
-
-  /** Takes in a look: all its layers at once, because finding them is most of the work. */
-  private learn(found: Message | undefined): void {
-    const channel = found && this.container.channels.get(found.channelId);
-    if (!found || !channel || !this.grid) return;
-    for (const window of list(this.decoder(channel).decode(found.data), "windows")) {
-      const name = str(window, "layer");
-      const knowledge = this.known.layers.get(name) ?? new Knowledge(this.grid, layers(this.mission).get(name)?.update ?? "best");
-      this.known.layers.set(name, knowledge);
-      const place = { row: num(window, "row"), col: num(window, "col"), rows: num(window, "rows"), cols: num(window, "cols") };
-      knowledge.read(place, window.values as number[], window.uncertainty as number[]);
-    }
   }
 }

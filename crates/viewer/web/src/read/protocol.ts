@@ -2,7 +2,7 @@
 
 import type { Plane } from "../model/plane";
 import type { Relief } from "../view/relief";
-import type { Happening, Look, Moment, Outcome, PlaneName, RunFacts, TextLine, TopicCount, Wholeness } from "../model/types";
+import type { Checks, Happening, Look, Moment, Outcome, PlaneName, RunFacts, TextLine, TopicCount, Wholeness } from "../model/types";
 
 /** Where a log comes from. */
 export type Origin =
@@ -30,8 +30,8 @@ export interface Batch {
 export type Tell =
   | { kind: "facts"; facts: RunFacts }
   | { kind: "batch"; batch: Batch; planes: PlaneName[]; readBytes: number }
-  | { kind: "end"; wholeness: Wholeness; run: Record<string, string>; topics: TopicCount[]; planes: PlaneName[] }
+  | { kind: "end"; wholeness: Wholeness; run: Record<string, string>; topics: TopicCount[]; planes: PlaneName[]; checks: Checks }
   | { kind: "plane"; ticket: number; plane: Plane | undefined }
   | { kind: "relief"; ticket: number; relief: Relief | undefined }
-  | { kind: "attachment"; ticket: number; text: string | undefined }
+  | { kind: "attachment"; ticket: number; bytes: Uint8Array<ArrayBuffer> | undefined }
   | { kind: "failed"; ticket?: number; text: string };

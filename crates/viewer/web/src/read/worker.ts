@@ -44,7 +44,7 @@ const answer = async (ask: Ask): Promise<void> => {
   } else if (ask.kind === "relief") {
     tell({ kind: "relief", ticket: ask.ticket, relief: await reader?.relief(ask.plane, ask.decision) });
   } else {
-    tell({ kind: "attachment", ticket: ask.ticket, text: reader?.attachmentText(ask.name) });
+    tell({ kind: "attachment", ticket: ask.ticket, bytes: reader?.attachment(ask.name)?.slice() });
   }
 };
 

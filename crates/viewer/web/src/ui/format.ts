@@ -77,10 +77,8 @@ export const trigger = (of: Trigger): string => {
   return `${of.name}${goal}${cell}${moved}${rest.length ? `, ${rest.join(", ")}` : ""}`;
 };
 
-/** A field of a CSV file, quoted where it must be. */
+/** A field of a CSV file (RFC 4180), quoted where it must be. */
 export const csvField = (value: string | number | undefined): string => {
   const text = value === undefined ? "" : String(value);
-  // A leading sign of a formula would run in a spreadsheet.
-  const safe = typeof value === "string" && /^[=+\-@]/.test(text) ? `'${text}` : text;
-  return /[",\n]/.test(safe) ? `"${safe.replaceAll('"', '""')}"` : safe;
+  return /[",\r\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text;
 };

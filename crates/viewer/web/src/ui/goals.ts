@@ -1,13 +1,15 @@
 // The table of all goals of a decision: sorted, filtered, opened.
 
 import { changes } from "../model/changes";
-import { STATES, stateLabel, stateOf } from "../model/states";
+import { STATES, reliability, stateLabel, stateOf } from "../model/states";
 import type { GoalState } from "../model/states";
 import type { Moment, RunFacts, Verdict } from "../model/types";
 import { OKABE } from "../view/colour";
 import { markIcon } from "../view/marks";
 import { h } from "./dom";
-import { chance, csvField, goalName, place, plain, reason, share, term } from "./format";
+import { csv } from "./export";
+import { chance, goalName, place, reason, share, term } from "./format";
+import { goalsTable } from "./tables";
 
 type Column = "turn" | "goal" | "interest" | "prize" | "reliability" | "verdict";
 
@@ -18,6 +20,10 @@ export interface GoalHandlers {
 }
 
 const EXPERT_COLOURS = [OKABE.blue, OKABE.orange, OKABE.green, OKABE.pink, OKABE.sky, OKABE.vermilion];
+
+/** Rows made at once, and then at every frame: a mission may know hundreds of goals. */
+const AT_ONCE = 40;
+const A_FRAME = 20;
 
 /** Turns first, in their order, then what is out of the plan by what it is worth. */
 const byTurn = (a: Verdict, b: Verdict): number =>
@@ -32,6 +38,9 @@ export class GoalTable {
   private sort: { column: Column; down: boolean } = { column: "turn", down: false };
   private readonly hidden = new Set<GoalState>();
   private shown: { moment: Moment; before: Moment | undefined; facts: RunFacts; goal: number | undefined } | undefined;
+
+  private rest: (() => HTMLElement[])[] = [];
+  private frame = 0;
 
   constructor(private readonly handlers: GoalHandlers) {
     this.filter.addEventListener("input", () => this.render());
@@ -53,19 +62,7 @@ export class GoalTable {
   }
 
   csv(): string {
-    const { shown } = this;
-    if (!shown) return "";
-    const { moment } = shown;
-    const head = ["decision", "time_s", "goal", "directive", "state", "turn", "row", "col", "interest", "prize", "prominence", "ignorance", "paradox", "reliability_so_far", "action", "reason", "terms"];
-    const rows = moment.verdicts.map((verdict) => {
-      const { goal } = verdict;
-      return [
-        moment.number, moment.timeS, goalName(goal.id), goal.directive, stateOf(verdict, moment), verdict.turn, goal.target.row, goal.target.col,
-        goal.interest, goal.prize, goal.prominence, goal.ignorance, goal.paradox, reliability(verdict, moment), verdict.action, verdict.reason,
-        verdict.terms.map(term).join("; "),
-      ];
-    });
-    return [head, ...rows].map((row) => row.map(csvField).join(",")).join("\n") + "\n";
+    return this.shown ? csv(goalsTable(this.shown.moment)) : "";
   }
 
   private render(): void {
@@ -81,15 +78,35 @@ export class GoalTable {
       .filter((verdict) => !this.hidden.has(stateOf(verdict, moment)))
       .filter((verdict) => wanted === "" || this.words(verdict).includes(wanted))
       .sort((a, b) => this.compare(a, b, moment));
-    this.body.replaceChildren(
-      ...rows.flatMap((verdict) => {
-        const open = verdict.goal.id === shown.goal;
-        const row = this.row(verdict, moment, open, before ? changed.get(verdict.goal.id) : undefined);
-        return open ? [row, this.detail(verdict, moment, shown.facts)] : [row];
-      }),
-    );
+    const made = (verdict: Verdict): HTMLElement[] => {
+      const open = verdict.goal.id === shown.goal;
+      const row = this.row(verdict, moment, open, before ? changed.get(verdict.goal.id) : undefined);
+      return open ? [row, this.detail(verdict, moment, shown.facts)] : [row];
+    };
+    // As far down as what is picked or has the focus, and a screenful beyond; the rest follows frame by frame.
+    const needed = rows.findLastIndex(({ goal }) => goal.id === shown.goal || String(goal.id) === focused);
+    const first = Math.max(AT_ONCE, needed + AT_ONCE / 2);
+    this.body.replaceChildren(...rows.slice(0, first).flatMap(made));
+    this.rest = rows.slice(first).map((verdict) => () => made(verdict));
+    this.goOn();
     if (rows.length === 0) this.body.append(h("tr", {}, h("td", { colspan: 5, class: "none" }, "No goal fits.")));
     if (focused) this.body.querySelector<HTMLElement>(`tr[data-goal="${focused}"]`)?.focus({ preventScroll: true });
+  }
+
+  /** Makes the rows that are not made yet: paper does not wait. */
+  finish(): void {
+    this.body.append(...this.rest.flatMap((row) => row()));
+    this.rest = [];
+  }
+
+  private goOn(): void {
+    window.cancelAnimationFrame(this.frame);
+    if (this.rest.length === 0) return;
+    this.frame = window.requestAnimationFrame(() => {
+      this.body.append(...this.rest.slice(0, A_FRAME).flatMap((row) => row()));
+      this.rest = this.rest.slice(A_FRAME);
+      this.goOn();
+    });
   }
 
   private words({ goal, action, reason: why }: Verdict): string {
@@ -269,10 +286,3 @@ export class GoalTable {
     );
   }
 }
-
-/** The chance to get as far as a goal by the chosen plan; nothing if it is not in it. */
-export const reliability = (verdict: Verdict, moment: Moment): number | undefined =>
-  verdict.turn === undefined ? undefined : moment.legs.find((leg) => leg.goal === verdict.goal.id)?.reliabilitySoFar;
-
-export const objectiveLines = (moment: Moment): string =>
-  (moment.family[moment.chosen]?.objectives ?? []).map(({ name, value }) => `${name} ${plain(value)}`).join(", ");

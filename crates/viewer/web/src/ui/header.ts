@@ -16,7 +16,7 @@ export interface HeaderHandlers {
 
 export class Header {
   readonly element: HTMLElement;
-  private readonly facts = h("div", { class: "facts-line" });
+  readonly facts = h("div", { class: "facts-line" });
   /** What can be saved. */
   private readonly menu = h("details", { class: "menu" }, h("summary", { title: "Save the map or the goals" }, "Save"));
 

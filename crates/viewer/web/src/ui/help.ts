@@ -5,7 +5,7 @@ import { h } from "./dom";
 const KEYS: readonly [string, string][] = [
   ["←  →", "decision before, next decision"],
   ["Home  End", "first, last decision"],
-  ["Space", "play, stop"],
+  ["Space", "play, stop; , and . slower and faster, r begins anew at the end"],
   ["g", "to the list of goals; ↑ ↓ to move, Enter to open one"],
   ["/", "filter the goals"],
   ["1 2 3 4 5", "goals, changes, plans, run, the two runs"],
@@ -19,7 +19,10 @@ const KEYS: readonly [string, string][] = [
   ["Esc", "let go of the goal"],
   ["d", "light, dark, as the system has it"],
   ["o", "open a log"],
-  ["c", "open a second log beside it; [ and ] move the wipe, b sets them side by side"],
+  ["c", "open a second log beside it"],
+  ["b", "two runs by a wipe, side by side, or as a difference; [ and ] move the wipe"],
+  ["f", "to the first decision that the two runs took otherwise, term by term"],
+  ["y", "copy the link to what is looked at"],
   ["?", "this list"],
 ];
 
@@ -29,7 +32,7 @@ export const helpDialog = (): HTMLDialogElement => {
     { class: "help", "aria-label": "Keys" },
     h("h2", {}, "Keys"),
     h("dl", {}, KEYS.flatMap(([key, what]) => [h("dt", {}, key), h("dd", {}, what)])),
-    h("p", { class: "note" }, "The address keeps the moment: #d=7 is decision 7. Nothing on this page goes over the network."),
+    h("p", { class: "note" }, "The address keeps what is looked at, and the way back leads over it; printing puts all pages on paper. Nothing on this page goes over the network."),
     h("form", { method: "dialog" }, h("button", {}, "Close")),
   );
   document.body.append(dialog);

@@ -1,10 +1,15 @@
-// The second run beside the first: one cursor, both decisions, and where they part.
+// The second run beside the first: how the runs differ, where they part, and both decisions term by term.
 
-import { aligned, choseAlike, firstDivergence } from "../model/compare";
+import { aligned, choseAlike, factPairs, firstDivergence, sameGround } from "../model/compare";
+import type { Taken } from "../model/divergence";
+import type { Pair } from "../model/pairs";
 import type { Run } from "../model/run";
-import type { Moment } from "../model/types";
+import type { Goal, Moment } from "../model/types";
 import { h } from "./dom";
-import { chance, clock, energy, goalName, place, plain, share, trigger } from "./format";
+import { csvButton, fileName } from "./export";
+import type { Table } from "./export";
+import { clock, goalName, place, share } from "./format";
+import { TermTable } from "./terms";
 
 export interface OtherHandlers {
   /** Both runs to their decisions of this place: where runs part is told by number, not by time. */
@@ -12,67 +17,116 @@ export interface OtherHandlers {
   close(): void;
 }
 
-const FACTS = ["mission", "rule", "policy", "prize", "statistic", "paradox", "seed", "overrides", "version", "decision_version"];
+/** Found once for as much as was read: runs may be long. */
+class Parting {
+  private found: number | undefined;
+  private of = "";
 
-/** The page about the second run. */
-export const otherPage = (a: Run, b: Run, one: Moment, other: Moment, handlers: OtherHandlers): HTMLElement[] => {
-  const { grid, identityRadiusM } = a.facts;
-  const differ = FACTS.filter((key) => (a.facts.run[key] ?? "") !== (b.facts.run[key] ?? ""));
-  const first = firstDivergence(a, b);
-  const sameGround = grid.rows === b.facts.grid.rows && grid.cols === b.facts.grid.cols && grid.spacingM === b.facts.grid.spacingM;
-  const [chosenA, chosenB] = [one.family[one.chosen], other.family[other.chosen]];
-  const row = (label: string, left: string, right: string): HTMLElement =>
-    h("tr", { class: left === right ? "" : "differs" }, h("th", {}, label), h("td", {}, left), h("td", {}, right));
-  const pairs = aligned(one, other, grid, identityRadiusM);
-  return [
-    h("p", { class: "note" }, differ.length === 0 ? "The two runs are of one mission, rule, policy and seed." : `They differ in ${differ.join(", ")}.`, sameGround ? "" : " Their grids differ: places cannot be compared."),
-    h(
-      "p",
-      { class: "tools" },
-      h("b", {}, choseAlike(one, other, grid, identityRadiusM) ? "Chosen alike." : "Chosen otherwise."),
-      first === undefined
-        ? h("span", {}, "The runs choose alike throughout.")
-        : h("button", { type: "button", onclick: () => handlers.part(first) }, `First divergence: decision ${a.moment(first)?.number ?? first}`),
-      h("button", { type: "button", onclick: handlers.close }, "Close B"),
-    ),
-    h(
-      "table",
-      { class: "sides" },
-      h("thead", {}, h("tr", {}, h("th", {}), h("th", {}, `A: ${a.facts.name}`), h("th", {}, `B: ${b.facts.name}`))),
+  between(a: Run, b: Run): number | undefined {
+    const of = `${a.facts.name}/${a.moments.length}/${b.facts.name}/${b.moments.length}/${a.wholeness.kind}/${b.wholeness.kind}`;
+    if (of !== this.of) this.found = firstDivergence(a, b);
+    this.of = of;
+    return this.found;
+  }
+}
+
+export class OtherPage {
+  private readonly terms = new TermTable();
+  private readonly parting = new Parting();
+  private allFacts = false;
+
+  constructor(
+    private readonly page: HTMLElement,
+    private readonly handlers: OtherHandlers,
+  ) {}
+
+  /** Place of the first decision taken otherwise. */
+  firstDivergence(a: Run, b: Run): number | undefined {
+    return this.parting.between(a, b);
+  }
+
+  show(a: Taken, b: Taken): void {
+    const { grid, identityRadiusM } = a.run.facts;
+    const comparable = sameGround(grid, b.run.facts.grid);
+    const first = this.firstDivergence(a.run, b.run);
+    const name = (what: string): string => fileName(a.run, a.moment, `${what}-against-d${b.moment.number}`, "csv");
+    const pairs = aligned(a.moment, b.moment, grid, identityRadiusM);
+    this.terms.show(a, b);
+    this.page.replaceChildren(
       h(
-        "tbody",
-        {},
-        ...differ.map((key) => row(key.replaceAll("_", " "), a.facts.run[key] || "none", b.facts.run[key] || "none")),
-        row("decision", `${one.number} at ${clock(one.timeS)}`, `${other.number} at ${clock(other.timeS)}`),
-        row("because", one.triggers.map(trigger).join("; "), other.triggers.map(trigger).join("; ")),
-        row("rover", place(one.pose), place(other.pose)),
-        row("act", actOf(one), actOf(other)),
-        row("value", chosenA ? plain(chosenA.value) : "none", chosenB ? plain(chosenB.value) : "none"),
-        row("reliability", chosenA ? chance(chosenA.reliability) : "none", chosenB ? chance(chosenB.reliability) : "none"),
-        row("energy", chosenA ? energy(chosenA.energyJ) : "none", chosenB ? energy(chosenB.energyJ) : "none"),
+        "p",
+        { class: "tools" },
+        h("b", { class: "verdict" }, choseAlike(a.moment, b.moment, grid, identityRadiusM) ? "Chosen alike." : "Chosen otherwise."),
+        first === undefined
+          ? h("span", {}, "The runs choose alike throughout.")
+          : h("button", { type: "button", title: "To the first divergence (f)", onclick: () => this.handlers.part(first) }, `First divergence: decision ${a.run.moment(first)?.number ?? first}`),
+        h("span", { class: "spring" }),
+        h("button", { type: "button", onclick: this.handlers.close }, "Close B"),
       ),
-    ),
-    h("h3", {}, "Sequences, aligned by place"),
+      h("p", { class: "sub" }, `A: decision ${a.moment.number} at ${clock(a.moment.timeS)}, ${a.run.facts.name}. B: decision ${b.moment.number} at ${clock(b.moment.timeS)}, ${b.run.facts.name}.`),
+      comparable ? "" : h("p", { class: "warning" }, "The runs stand on different grids: places of one are no places of the other, and goals are not paired."),
+      ...this.facts(a.run, b.run),
+      h("h3", { class: "with-tools" }, h("span", {}, "Sequences, aligned by place"), h("span", { class: "spring" }), csvButton("the sequences", () => name("sequences"), () => sequencesTable(a.moment, b.moment, pairs))),
+      sequences(pairs),
+      h("p", { class: "sub" }, `Goals of one directive within ${identityRadiusM} m are one place; their names are each run's own.`),
+      h("h3", { class: "with-tools" }, h("span", {}, "Term by term"), h("span", { class: "spring" }), csvButton("all terms", () => name("divergence"), () => this.terms.csv())),
+      this.terms.element,
+    );
+  }
+
+  private facts(a: Run, b: Run): (HTMLElement | string)[] {
+    const pairs = factPairs(a, b);
+    const differ = pairs.filter((one) => one.a !== one.b);
+    const equal = pairs.filter((one) => one.a === one.b);
+    const row = ({ key, a: left, b: right }: (typeof pairs)[number]): HTMLElement =>
+      h("tr", { class: left === right ? "" : "differs" }, h("th", { scope: "row" }, key.replaceAll("_", " ")), h("td", {}, left || "none"), h("td", {}, right || "none"));
+    const list = h("tbody", {}, (this.allFacts ? [...differ, ...equal] : differ).map(row));
+    const fold = h(
+      "button",
+      {
+        type: "button",
+        class: "fold",
+        "aria-expanded": String(this.allFacts),
+        onclick: () => {
+          this.allFacts = !this.allFacts;
+          list.replaceChildren(...(this.allFacts ? [...differ, ...equal] : differ).map(row));
+          fold.textContent = words();
+          fold.setAttribute("aria-expanded", String(this.allFacts));
+        },
+      },
+      "",
+    );
+    const words = (): string => `${this.allFacts ? "▾" : "▸"} ${equal.length} facts are equal`;
+    fold.textContent = words();
+    const names = differ.map(({ key }) => key.replaceAll("_", " ")).join(", ");
+    return [
+      h("h3", { class: "with-tools" }, h("span", {}, differ.length === 0 ? "The runs are of one mission, rule, policy and seed" : `The runs differ in ${names}`), h("span", { class: "spring" }), csvButton("the runs' facts", () => fileName(a, undefined, "facts-a-b", "csv"), () => [["key", "a", "b", "differs"], ...pairs.map((one) => [one.key, one.a, one.b, one.a === one.b ? "no" : "yes"])])),
+      h("table", { class: "sides" }, h("thead", {}, h("tr", {}, h("th", {}), h("th", { scope: "col" }, "A"), h("th", { scope: "col" }, "B"))), list),
+      h("p", {}, fold),
+    ];
+  }
+}
+
+const sequences = (pairs: readonly Pair<Goal>[]): HTMLElement => {
+  const side = (goal: Goal | undefined): string => (goal ? `${goalName(goal.id)} ${place(goal.target)}, prize ${share(goal.prize)}` : "·");
+  return h(
+    "table",
+    { class: "sides" },
+    h("thead", {}, h("tr", {}, h("th", {}, ""), h("th", { scope: "col" }, "A"), h("th", { scope: "col" }, "B"))),
     h(
-      "table",
-      { class: "sides" },
-      h(
-        "tbody",
-        {},
-        pairs.map(({ a: left, b: right }) => {
-          const goal = left ?? right;
-          return h(
-            "tr",
-            { class: left && right ? "" : "differs" },
-            h("th", {}, goal?.directive ?? ""),
-            h("td", {}, left ? `${goalName(left.id)} ${place(left.target)}, prize ${share(left.prize)}` : "·"),
-            h("td", {}, right ? `${goalName(right.id)} ${place(right.target)}, prize ${share(right.prize)}` : "·"),
-          );
-        }),
-      ),
+      "tbody",
+      {},
+      pairs.map(({ a, b }) => h("tr", { class: a && b ? "" : "differs" }, h("th", { scope: "row" }, (a ?? b)?.directive ?? ""), h("td", {}, side(a)), h("td", {}, side(b)))),
+      pairs.length === 0 && h("tr", {}, h("td", { colspan: 3, class: "note" }, "neither chose a goal")),
     ),
-    h("p", { class: "sub" }, `Goals of one directive within ${identityRadiusM} m are one place; their names are each run's own.`),
-  ];
+  );
 };
 
-const actOf = ({ act }: Moment): string => (act.goal === undefined ? act.name : `${act.name} ${goalName(act.goal)}`);
+const sequencesTable = (a: Moment, b: Moment, pairs: readonly Pair<Goal>[]): Table => [
+  ["decision_a", "decision_b", "place", "directive", "goal_a", "row_a", "col_a", "prize_a", "goal_b", "row_b", "col_b", "prize_b"],
+  ...pairs.map(({ a: one, b: other }, i) => [
+    a.number, b.number, i + 1, (one ?? other)?.directive,
+    one && goalName(one.id), one?.target.row, one?.target.col, one?.prize,
+    other && goalName(other.id), other?.target.row, other?.target.col, other?.prize,
+  ]),
+];

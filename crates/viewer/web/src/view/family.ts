@@ -1,12 +1,32 @@
-// The plan family as a plot: what each plan is worth, against the chance to carry it out.
+// The plan family as a plot: interest against the chance to carry it out, or any two of a plan's numbers; the size of
+// a mark is energy.
 
 import type { Moment, PlanOption } from "../model/types";
 import { s } from "../ui/dom";
-import { chance, energy, goalName, plain } from "../ui/format";
+import { chance, clock, energy, goalName, metres, plain } from "../ui/format";
 
 const WIDTH = 440;
 const HEIGHT = 232;
 const BOX = { left: 52, right: 14, top: 12, bottom: 34 };
+
+export type Measure = "prize" | "value" | "expected" | "reliability" | "energyJ" | "timeS" | "lengthM";
+
+interface Kind {
+  label: string;
+  /** What an axis shows: joules as megajoules, seconds as hours. */
+  per: number;
+  told(value: number): string;
+}
+
+export const MEASURES: Record<Measure, Kind> = {
+  prize: { label: "interest (sum of prizes)", per: 1, told: plain },
+  value: { label: "value by the mission's policy", per: 1, told: plain },
+  expected: { label: "expected interest", per: 1, told: plain },
+  reliability: { label: "reliability", per: 1, told: chance },
+  energyJ: { label: "energy, MJ", per: 1e6, told: energy },
+  timeS: { label: "time, h", per: 3600, told: clock },
+  lengthM: { label: "way, m", per: 1, told: metres },
+};
 
 export interface FamilyHandlers {
   /** A member picked out, or none. */
@@ -16,7 +36,7 @@ export interface FamilyHandlers {
 /** Round numbers within a range, about five of them. */
 export const ticks = (min: number, max: number): number[] => {
   const span = max - min;
-  if (!(span > 0)) return [min];
+  if (!(span > 0) || !Number.isFinite(span)) return [min];
   const rough = span / 5;
   const power = 10 ** Math.floor(Math.log10(rough));
   const step = ([1, 2, 5, 10].find((one) => one * power >= rough) ?? 10) * power;
@@ -27,7 +47,7 @@ export const ticks = (min: number, max: number): number[] => {
 };
 
 /** As many decimals as tell neighbouring ticks apart. */
-const tickLabel = (value: number, all: readonly number[]): string => {
+export const tickLabel = (value: number, all: readonly number[]): string => {
   const step = Math.abs((all[1] ?? value) - (all[0] ?? value)) || Math.abs(value) || 1;
   return value.toFixed(Math.min(6, Math.max(0, Math.ceil(-Math.log10(step) - 1e-9))));
 };
@@ -40,23 +60,63 @@ const padded = (values: readonly number[]): [number, number] => {
 
 export const orderOf = (option: PlanOption): string => option.order.map(goalName).join(" › ") || "nothing";
 
-export const familyPlot = (moment: Moment, picked: number | undefined, handlers: FamilyHandlers): SVGSVGElement => {
+const CIRCLE = (r: number): string => `M${-r} 0A${r} ${r} 0 1 1 ${r} 0A${r} ${r} 0 1 1 ${-r} 0Z`;
+/** The chosen plan has corners: colour is never the only sign. */
+const DIAMOND = (r: number): string => `M0 ${-r * 1.35}L${r * 1.35} 0L0 ${r * 1.35}L${-r * 1.35} 0Z`;
+
+export const familyPlot = (moment: Moment, across: Measure, up: Measure, picked: number | undefined, handlers: FamilyHandlers): SVGSVGElement => {
   const svg = s("svg", {
     viewBox: `0 0 ${WIDTH} ${HEIGHT}`,
     class: "family",
     role: "img",
-    "aria-label": `Plan family of decision ${moment.number}: ${moment.family.length} plans`,
+    "aria-label": `Plan family of decision ${moment.number}: ${moment.family.length} plans, ${MEASURES[across].label} and ${MEASURES[up].label}`,
   });
   if (moment.family.length === 0) return svg;
-  const [x0, x1] = padded(moment.family.map((one) => one.value));
-  const [y0, y1raw] = padded(moment.family.map((one) => one.reliability));
-  const y1 = Math.min(y1raw, Math.max(1, ...moment.family.map((one) => one.reliability)) + 1e-4);
+  const numbers = (of: Measure): number[] => moment.family.map((one) => one[of] / MEASURES[of].per);
+  const [x0, x1] = padded(numbers(across));
+  const [y0, y1raw] = padded(numbers(up));
+  // No chance is above one.
+  const y1 = up === "reliability" ? Math.min(y1raw, Math.max(1, ...numbers(up)) + 1e-4) : y1raw;
   const x = (value: number): number => BOX.left + ((value - x0) / (x1 - x0)) * (WIDTH - BOX.left - BOX.right);
   const y = (value: number): number => HEIGHT - BOX.bottom - ((value - y0) / (y1 - y0)) * (HEIGHT - BOX.top - BOX.bottom);
-  const [low, high] = [Math.min(...moment.family.map((one) => one.energyJ)), Math.max(...moment.family.map((one) => one.energyJ))];
-  const radius = (energyJ: number): number => 4 + (high > low ? (5 * (energyJ - low)) / (high - low) : 2);
+  axes(svg, { across, up, xs: ticks(x0, x1), ys: ticks(y0, y1), x, y });
 
-  const [xs, ys] = [ticks(x0, x1), ticks(y0, y1)];
+  const [low, high] = [Math.min(...numbers("energyJ")), Math.max(...numbers("energyJ"))];
+  const radius = (one: PlanOption): number => 4 + (high > low ? (5 * (one.energyJ / 1e6 - low)) / (high - low) : 2);
+  // The chosen plan last, so that it lies on top.
+  const order = moment.family.map((_, index) => index).sort((a, b) => Number(a === moment.chosen) - Number(b === moment.chosen));
+  for (const index of order) {
+    const one = moment.family[index];
+    if (!one) continue;
+    const isChosen = index === moment.chosen;
+    const r = Math.round(radius(one) * 100) / 100;
+    const mark = s(
+      "path",
+      {
+        d: isChosen ? DIAMOND(r) : CIRCLE(r),
+        transform: `translate(${x(one[across] / MEASURES[across].per).toFixed(2)} ${y(one[up] / MEASURES[up].per).toFixed(2)})`,
+        class: `plan${isChosen ? " chosen" : ""}${index === picked ? " picked" : ""}`,
+        "data-option": index,
+      },
+      s("title", {}, `${isChosen ? "chosen: " : ""}${orderOf(one)}\ninterest ${plain(one.prize)}, value ${plain(one.value)}, reliability ${chance(one.reliability)}, ${energy(one.energyJ)}, ${clock(one.timeS)}`),
+    );
+    mark.addEventListener("pointerenter", () => handlers.point(index));
+    svg.append(mark);
+  }
+  svg.addEventListener("pointerleave", () => handlers.point(undefined));
+  return svg;
+};
+
+interface Axes {
+  across: Measure;
+  up: Measure;
+  xs: readonly number[];
+  ys: readonly number[];
+  x(value: number): number;
+  y(value: number): number;
+}
+
+const axes = (svg: SVGSVGElement, { across, up, xs, ys, x, y }: Axes): void => {
   for (const value of xs) {
     svg.append(
       s("line", { x1: x(value), x2: x(value), y1: BOX.top, y2: HEIGHT - BOX.bottom, class: "grid" }),
@@ -70,23 +130,19 @@ export const familyPlot = (moment: Moment, picked: number | undefined, handlers:
     );
   }
   svg.append(
-    s("text", { x: WIDTH - BOX.right, y: HEIGHT - 4, class: "axis", "text-anchor": "end" }, "value by the mission's policy"),
-    s("text", { x: 12, y: BOX.top, class: "axis", "text-anchor": "end", transform: `rotate(-90 12 ${BOX.top})` }, "reliability"),
+    s("text", { x: WIDTH - BOX.right, y: HEIGHT - 4, class: "axis", "text-anchor": "end" }, MEASURES[across].label),
+    s("text", { x: 11, y: BOX.top, class: "axis", "text-anchor": "end", transform: `rotate(-90 11 ${BOX.top})` }, MEASURES[up].label),
   );
-  // The chosen plan last, so that it lies on top.
-  const order = moment.family.map((_, index) => index).sort((a, b) => Number(a === moment.chosen) - Number(b === moment.chosen));
-  for (const index of order) {
-    const one = moment.family[index];
-    if (!one) continue;
-    const kind = `plan${index === moment.chosen ? " chosen" : ""}${index === picked ? " picked" : ""}`;
-    const dot = s(
-      "circle",
-      { cx: x(one.value), cy: y(one.reliability), r: radius(one.energyJ), class: kind, "data-option": index },
-      s("title", {}, `${orderOf(one)}\nvalue ${plain(one.value)}, reliability ${chance(one.reliability)}, ${energy(one.energyJ)}`),
-    );
-    dot.addEventListener("pointerenter", () => handlers.point(index));
-    svg.append(dot);
-  }
-  svg.addEventListener("pointerleave", () => handlers.point(undefined));
+};
+
+const STYLE =
+  "text{font-family:system-ui,sans-serif}.grid{stroke:#ddd}.tick,.axis{font-size:11px;fill:#444}.plan{fill:#56b4e9;fill-opacity:.55;stroke:#1f5f86}.plan.chosen{fill:#d55e00;fill-opacity:1;stroke:#111}";
+
+/** The plot with its colours inside, to stand without this page. */
+export const familyFigure = (moment: Moment, across: Measure, up: Measure): SVGSVGElement => {
+  const svg = familyPlot(moment, across, up, undefined, { point: () => undefined });
+  svg.setAttribute("width", String(WIDTH));
+  svg.setAttribute("height", String(HEIGHT));
+  svg.prepend(s("style", {}, STYLE), s("rect", { width: WIDTH, height: HEIGHT, fill: "#fff" }));
   return svg;
 };

@@ -250,8 +250,8 @@ export class MapView {
     context.lineWidth = 1.5;
     context.strokeStyle = "#111";
     context.stroke();
-    drawLabel(context, "A", x - 14, 14);
-    drawLabel(context, "B", x + 14, 14);
+    drawLabel(context, "A", x - 14, this.halves ? 58 : 14);
+    drawLabel(context, "B", x + 14, this.halves ? 58 : 14);
     if (this.halves) return;
     context.beginPath();
     context.roundRect(x - 5, height / 2 - 18, 10, 36, 5);

@@ -1,21 +1,13 @@
-// The timeline: decisions, events, and a lane for the life of each goal.
+// The timeline: seen, scrubbed, scrolled and asked.
 
-import { lives } from "../model/lives";
 import type { Life } from "../model/lives";
 import type { Run } from "../model/run";
-import type { Axis } from "../state";
-import { clock, goalName } from "../ui/format";
-import { FlatSurface } from "./canvas";
-import type { Size } from "./canvas";
-import { OKABE } from "./colour";
-import { markPath2d, stateColour } from "./marks";
-
-export interface TimelineScene {
-  run: Run;
-  index: number;
-  axis: Axis;
-  goal: number | undefined;
-}
+import { stateLabel, stateOf } from "../model/states";
+import { clock, goalName, reason } from "../ui/format";
+import { FlatSurface, token } from "./canvas";
+import { CanvasInk, SvgInk } from "./ink";
+import { LEFT, drawTimeline, lanesOf, rowsOf, scaleOf } from "./lanes";
+import type { Colours, Lane, TimelineScene } from "./lanes";
 
 export interface TimelineHandlers {
   seek(index: number): void;
@@ -23,32 +15,33 @@ export interface TimelineHandlers {
   hint(text: string | undefined, x: number, y: number): void;
 }
 
-const LEFT = 74;
-const RIGHT = 112;
-const AXIS_Y = 15;
-const DECISIONS_Y = 33;
-const EVENTS_Y = 51;
-const LANES_Y = 66;
-const LANE = 10;
+/** How near the pointer must come to an event. */
+const REACH_PX = 7;
+const ROW_REACH_PX = 8;
+/** A figure that is saved is at least this wide. */
+const FIGURE_WIDTH = 1100;
+/** What the key takes. */
+const KEY_HEIGHT = 170;
 
-/** Steps of an axis of hours and minutes, seconds. */
-const STEPS_S = [60, 120, 300, 600, 900, 1800, 3600, 7200, 14_400, 21_600, 43_200, 86_400] as const;
+const colours = (): Colours => ({
+  ink: token("--ink"),
+  faint: token("--ink-3"),
+  rule: token("--rule"),
+  scroll: token("--rule-2"),
+  panel: token("--panel"),
+  picked: token("--picked"),
+  accent: token("--accent"),
+});
 
-const RESULTS: Record<string, { colour: string; shape: "square" | "ring" | "cross" }> = {
-  achieved: { colour: OKABE.green, shape: "square" },
-  arrived: { colour: OKABE.green, shape: "ring" },
-  stopped: { colour: OKABE.grey, shape: "ring" },
-  interrupted: { colour: OKABE.sky, shape: "ring" },
-  blocked: { colour: OKABE.vermilion, shape: "cross" },
-  aborted: { colour: OKABE.vermilion, shape: "cross" },
-};
+/** On paper: as the light theme has them. */
+const PAPER: Colours = { ink: "#1a1c1f", faint: "#4c5157", rule: "#e5e3dd", scroll: "#c9c7c0", panel: "#ffffff", picked: "#e6f0f7", accent: "#0a63a3" };
 
 export class TimelineView {
   private readonly surface: FlatSurface;
-  private readonly context: CanvasRenderingContext2D;
+  private readonly ink: CanvasInk;
   private scene: TimelineScene | undefined;
-  private lanes: Life[] = [];
-  private lanesOf = -1;
+  private lanes: readonly Lane[] = [];
+  private lanesFrom = "";
   private scrolled = 0;
 
   constructor(
@@ -60,17 +53,19 @@ export class TimelineView {
       (size) => this.draw(size),
       () => this.scroll(0),
     );
-    this.context = this.surface.context;
+    this.ink = new CanvasInk(this.surface.context);
     this.listen();
   }
 
   show(scene: TimelineScene): void {
-    if (this.scene?.run !== scene.run) this.lanesOf = -1;
     const picked = scene.goal !== undefined && scene.goal !== this.scene?.goal;
+    const another = this.scene?.run !== scene.run || this.scene.other?.run !== scene.other?.run;
     this.scene = scene;
-    if (this.lanesOf !== scene.run.moments.length) {
-      this.lanes = lives(scene.run.moments);
-      this.lanesOf = scene.run.moments.length;
+    const from = `${scene.run.moments.length}/${scene.other?.run.moments.length}`;
+    if (another || from !== this.lanesFrom) {
+      this.lanes = lanesOf(scene);
+      this.lanesFrom = from;
+      this.scroll(0);
     }
     if (picked) this.reveal(scene.goal ?? -1);
     this.redraw();
@@ -80,239 +75,118 @@ export class TimelineView {
     this.surface.redraw();
   }
 
-  /** Where a decision begins; the one after the last is where the log ends. */
-  private x(index: number): number {
+  /** The whole of it, all lanes, to stand without this page. */
+  figure(label: string): SVGSVGElement | undefined {
+    return this.figures(label, Math.max(FIGURE_WIDTH, this.canvas.clientWidth), Number.POSITIVE_INFINITY)[0];
+  }
+
+  /** In as many pieces as it takes for none to be higher than this; each has the axis. */
+  figures(label: string, width: number, height: number): SVGSVGElement[] {
     const { scene } = this;
-    if (!scene) return LEFT;
-    const width = this.canvas.clientWidth - LEFT - RIGHT;
-    const count = scene.run.moments.length;
-    if (scene.axis === "decision") return LEFT + (width * index) / Math.max(1, count);
-    return this.xOf(scene.run.moments[index]?.timeS ?? scene.run.endS);
-  }
-
-  private xOf(timeS: number): number {
-    const { scene } = this;
-    if (!scene) return LEFT;
-    const width = this.canvas.clientWidth - LEFT - RIGHT;
-    if (scene.axis === "time") return LEFT + (width * timeS) / Math.max(1, scene.run.endS);
-    const index = scene.run.indexAt(timeS);
-    const [from, to] = [scene.run.moments[index]?.timeS ?? 0, scene.run.moments[index + 1]?.timeS ?? scene.run.endS];
-    const part = to > from ? Math.min(1, (timeS - from) / (to - from)) : 0;
-    return this.x(index) + part * (this.x(index + 1) - this.x(index));
-  }
-
-  private draw({ height }: Size): void {
-    const { context, scene } = this;
-    if (!scene || scene.run.moments.length === 0) return;
-    const style = getComputedStyle(document.documentElement);
-    const token = (name: string): string => style.getPropertyValue(name).trim();
-    const [ink, faint, rule] = [token("--ink"), token("--ink-3"), token("--rule")];
-    this.lanesDrawn(scene, token, height);
-    this.axis(scene, faint, rule, height);
-    context.font = "11px system-ui, sans-serif";
-    context.textAlign = "left";
-    context.textBaseline = "middle";
-    context.fillStyle = faint;
-    context.fillText("decisions", 10, DECISIONS_Y);
-    context.fillText("events", 10, EVENTS_Y);
-    this.decisions(scene, ink, faint, token("--panel"));
-    this.events(scene);
-    this.cursor(scene, token("--accent"), height);
-  }
-
-  private axis(scene: TimelineScene, faint: string, rule: string, height: number): void {
-    const { context } = this;
-    context.font = "11px system-ui, sans-serif";
-    context.textBaseline = "middle";
-    context.textAlign = "center";
-    const tick = (x: number, words: string): void => {
-      context.strokeStyle = rule;
-      context.lineWidth = 1;
-      context.beginPath();
-      context.moveTo(Math.round(x) + 0.5, AXIS_Y + 8);
-      context.lineTo(Math.round(x) + 0.5, height);
-      context.stroke();
-      context.fillStyle = faint;
-      context.fillText(words, x, AXIS_Y);
-    };
-    const width = this.canvas.clientWidth - LEFT - RIGHT;
-    if (scene.axis === "time") {
-      const most = width / 74;
-      const step = STEPS_S.find((one) => scene.run.endS / one <= most) ?? 86_400;
-      for (let timeS = 0; timeS <= scene.run.endS; timeS += step) tick(this.xOf(timeS), clock(timeS).replace(" h", ""));
-    } else {
-      const count = scene.run.moments.length;
-      const step = Math.max(1, Math.ceil((count * 30) / width));
-      for (let i = 0; i < count; i += step) tick(this.x(i), String(scene.run.moments[i]?.number ?? i));
-    }
-    context.textAlign = "left";
-    context.fillText(scene.axis === "time" ? "time, h" : "number", 10, AXIS_Y);
-  }
-
-  private decisions(scene: TimelineScene, ink: string, faint: string, panel: string): void {
-    const { context } = this;
-    scene.run.moments.forEach((moment, index) => {
-      const x = this.x(index);
-      context.beginPath();
-      if (moment.act.name === "pursue") context.arc(x, DECISIONS_Y, 4, 0, 2 * Math.PI);
-      else context.rect(x - 3.5, DECISIONS_Y - 3.5, 7, 7);
-      const waits = moment.act.name === "wait";
-      context.fillStyle = waits ? panel : index <= scene.index ? ink : faint;
-      context.fill();
-      context.lineWidth = 1.4;
-      context.strokeStyle = waits ? ink : panel;
-      context.stroke();
+    if (!scene) return [];
+    const rows = rowsOf(scene);
+    const each = Math.max(1, Math.min(this.lanes.length, Math.floor((height - rows.lanes - 8) / rows.lane)));
+    const pieces = Math.max(1, Math.ceil(this.lanes.length / each));
+    return Array.from({ length: pieces }, (_, i) => {
+      const lanes = this.lanes.slice(i * each, (i + 1) * each);
+      const size = { width, height: Math.max(KEY_HEIGHT, rows.lanes + lanes.length * rows.lane + 8) };
+      const ink = new SvgInk(size.width, size.height, PAPER.panel, label);
+      drawTimeline(ink, scene, lanes, size, 0, PAPER);
+      return ink.svg;
     });
   }
 
-  private events(scene: TimelineScene): void {
-    const { context } = this;
-    for (const outcome of scene.run.outcomes.values()) {
-      const look = RESULTS[outcome.result] ?? { colour: OKABE.grey, shape: "ring" as const };
-      const x = this.xOf(outcome.spent.timeS);
-      context.beginPath();
-      context.lineWidth = 1.8;
-      if (look.shape === "square") {
-        context.fillStyle = look.colour;
-        context.fillRect(x - 3.6, EVENTS_Y - 3.6, 7.2, 7.2);
-      } else if (look.shape === "ring") {
-        context.strokeStyle = look.colour;
-        context.arc(x, EVENTS_Y, 3, 0, 2 * Math.PI);
-        context.stroke();
-      } else {
-        context.save();
-        context.translate(x, EVENTS_Y);
-        context.strokeStyle = look.colour;
-        context.stroke(markPath2d("dropped", 5));
-        context.restore();
-      }
-    }
-    for (const happening of scene.run.happenings) {
-      const x = this.xOf(happening.timeS);
-      context.fillStyle = happening.kind === "fault" ? OKABE.vermilion : OKABE.pink;
-      context.beginPath();
-      context.moveTo(x, EVENTS_Y - 5);
-      context.lineTo(x + 5, EVENTS_Y + 4);
-      context.lineTo(x - 5, EVENTS_Y + 4);
-      context.fill();
-    }
-  }
-
-  private lanesDrawn(scene: TimelineScene, token: (name: string) => string, height: number): void {
-    const { context } = this;
-    context.save();
-    context.beginPath();
-    context.rect(0, LANES_Y - 4, this.canvas.clientWidth, height - LANES_Y + 4);
-    context.clip();
-    context.textBaseline = "middle";
-    this.lanes.forEach((life, lane) => {
-      const y = LANES_Y + lane * LANE - this.scrolled + LANE / 2;
-      if (y < LANES_Y - LANE || y > height + LANE) return;
-      const picked = life.goal === scene.goal;
-      if (picked) {
-        context.fillStyle = token("--picked");
-        context.fillRect(0, y - LANE / 2, this.canvas.clientWidth, LANE);
-      }
-      context.font = `${picked ? "600 " : ""}9.5px system-ui, sans-serif`;
-      context.textAlign = "right";
-      context.fillStyle = picked ? token("--ink") : token("--ink-3");
-      context.fillText(goalName(life.goal), LEFT - 12, y + 0.5);
-      for (const { state, from, to } of life.stretches) {
-        const [x0, x1] = [this.x(from), this.x(to)];
-        const thick = state === "next" ? 7 : state === "planned" ? 4.5 : 2;
-        context.fillStyle = stateColour[state];
-        context.fillRect(x0, y - thick / 2, Math.max(1.5, x1 - x0), thick);
-      }
-      if (!life.end) return;
-      context.save();
-      context.translate(this.x(life.end.at), y);
-      const path = markPath2d(life.end.state, 4.6);
-      if (life.end.state === "done") {
-        context.fillStyle = stateColour.done;
-        context.fill(path);
-      } else {
-        context.strokeStyle = token("--ink-3");
-        context.lineWidth = 1.6;
-        context.stroke(path);
-      }
-      context.restore();
-    });
-    const all = this.lanes.length * LANE;
-    const room = height - LANES_Y;
-    if (all > room) {
-      context.fillStyle = token("--rule-2");
-      context.fillRect(this.canvas.clientWidth - RIGHT + 12, LANES_Y + (this.scrolled / all) * room, 3, (room / all) * room);
-    }
-    context.restore();
-  }
-
-  private cursor(scene: TimelineScene, accent: string, height: number): void {
-    const { context } = this;
-    const x = this.x(scene.index);
-    context.strokeStyle = accent;
-    context.lineWidth = 1.6;
-    context.beginPath();
-    context.moveTo(x, AXIS_Y + 6);
-    context.lineTo(x, height);
-    context.stroke();
-    context.beginPath();
-    context.arc(x, DECISIONS_Y, 6.5, 0, 2 * Math.PI);
-    context.lineWidth = 2.4;
-    context.stroke();
+  private draw(size: { width: number; height: number }): void {
+    const { scene } = this;
+    if (scene && scene.run.moments.length > 0) drawTimeline(this.ink, scene, this.lanes, size, this.scrolled, colours());
   }
 
   private scroll(dy: number): void {
-    const most = Math.max(0, this.lanes.length * LANE - (this.canvas.clientHeight - LANES_Y) + 4);
+    const { scene } = this;
+    if (!scene) return;
+    const rows = rowsOf(scene);
+    const most = Math.max(0, this.lanes.length * rows.lane - (this.canvas.clientHeight - rows.lanes) + 4);
     this.scrolled = Math.min(most, Math.max(0, this.scrolled + dy));
     this.redraw();
   }
 
   private reveal(goal: number): void {
-    const lane = this.lanes.findIndex((life) => life.goal === goal);
-    if (lane < 0) return;
-    const room = this.canvas.clientHeight - LANES_Y;
-    const y = lane * LANE;
-    if (y < this.scrolled || y + LANE > this.scrolled + room) this.scroll(y - room / 2 - this.scrolled);
+    const { scene } = this;
+    const lane = this.lanes.findIndex(({ a }) => a?.goal === goal);
+    if (lane < 0 || !scene) return;
+    const rows = rowsOf(scene);
+    const room = this.canvas.clientHeight - rows.lanes;
+    const y = lane * rows.lane;
+    if (y < this.scrolled || y + rows.lane > this.scrolled + room) this.scroll(y - room / 2 - this.scrolled);
   }
 
-  /** The decision under a pixel: the nearest by x. */
-  private indexAt(px: number): number {
-    const count = this.scene?.run.moments.length ?? 0;
-    let best = 0;
-    for (let i = 1; i < count; i++) if (Math.abs(this.x(i) - px) < Math.abs(this.x(best) - px)) best = i;
-    return best;
-  }
-
-  private laneAt(py: number): Life | undefined {
-    return py < LANES_Y ? undefined : this.lanes[Math.floor((py - LANES_Y + this.scrolled) / LANE)];
+  /** The lane under a pixel, and which run's half of it. */
+  private laneAt(py: number): { lane: Lane; b: boolean } | undefined {
+    const { scene } = this;
+    if (!scene) return undefined;
+    const rows = rowsOf(scene);
+    const y = py - rows.lanes + this.scrolled;
+    const lane = py < rows.lanes ? undefined : this.lanes[Math.floor(y / rows.lane)];
+    return lane && { lane, b: scene.other !== undefined && y % rows.lane > rows.lane / 2 };
   }
 
   private hintAt(px: number, py: number): string | undefined {
     const { scene } = this;
-    if (!scene) return undefined;
-    if (Math.abs(py - EVENTS_Y) < 8) {
-      const near = <T>(all: Iterable<T>, time: (one: T) => number): T | undefined =>
-        [...all].filter((one) => Math.abs(this.xOf(time(one)) - px) < 7).sort((a, b) => Math.abs(this.xOf(time(a)) - px) - Math.abs(this.xOf(time(b)) - px))[0];
-      const happening = near(scene.run.happenings, (one) => one.timeS);
-      if (happening) return `${clock(happening.timeS)} ${happening.kind}: ${happening.text}`;
-      const outcome = near(scene.run.outcomes.values(), (one) => one.spent.timeS);
-      if (outcome) return `${clock(outcome.spent.timeS)} ${outcome.result}${outcome.goal === undefined ? "" : ` ${goalName(outcome.goal)}`}`;
+    if (!scene || px < LEFT - 62) return undefined;
+    const rows = rowsOf(scene);
+    const at = this.laneAt(py);
+    const runs = [scene.run, ...(scene.other ? [scene.other.run] : [])];
+    const side = at?.b || [rows.decisions[1], rows.events[1]].some((y) => y !== undefined && Math.abs(py - y) < ROW_REACH_PX) ? 1 : 0;
+    const run = runs[side];
+    if (!run) return undefined;
+    const name = scene.other ? `${side === 0 ? "A" : "B"}: ` : "";
+    if (Math.abs(py - (rows.events[side] ?? 0)) < ROW_REACH_PX) {
+      const event = this.eventAt(run, px);
+      if (event) return name + event;
     }
-    const moment = scene.run.moments[this.indexAt(px)];
-    if (!moment || px < LEFT - 10) return undefined;
-    const life = this.laneAt(py);
-    const said = life && moment.verdicts.find((verdict) => verdict.goal.id === life.goal);
-    const goal = said ? ` · ${goalName(said.goal.id)} ${said.action}, ${said.reason}` : life ? ` · ${goalName(life.goal)}` : "";
-    return `decision ${moment.number}, ${clock(moment.timeS)}${goal}`;
+    if (px < LEFT - 10 && !at) return undefined;
+    const index = scaleOf(scene, this.canvas.clientWidth).indexAt(run, px);
+    const moment = run.moments[index];
+    if (!moment) return undefined;
+    const life = at && (at.b ? at.lane.b : at.lane.a);
+    return `${name}decision ${moment.number}, ${clock(moment.timeS)}${life ? ` · ${this.told(run, life, index)}` : ""}`;
+  }
+
+  /** What was said of a goal at a decision, or how it had ended by then. */
+  private told(run: Run, life: Life, index: number): string {
+    const [verdict, moment] = [run.verdict(index, life.goal), run.moment(index)];
+    const named = `${goalName(life.goal)} ${life.directive}`;
+    if (verdict && moment) return `${named}: ${stateLabel[stateOf(verdict, moment)]}, ${verdict.action}, ${reason(verdict)}`;
+    if (index < life.first) return `${named}: not found yet`;
+    return life.end ? `${named}: ${stateLabel[life.end.state]} since decision ${run.moment(life.end.at)?.number ?? life.end.at}` : named;
+  }
+
+  private eventAt(run: Run, px: number): string | undefined {
+    const { scene } = this;
+    if (!scene) return undefined;
+    const scale = scaleOf(scene, this.canvas.clientWidth);
+    let best: { away: number; text: () => string } | undefined;
+    const near = (timeS: number, text: () => string): void => {
+      const away = Math.abs(scale.xOf(run, timeS) - px);
+      if (away < Math.min(REACH_PX, best?.away ?? REACH_PX)) best = { away, text };
+    };
+    for (const one of run.happenings) near(one.timeS, () => `${clock(one.timeS)} ${one.kind}: ${one.text}`);
+    for (const { spent, result, goal, operators } of run.outcomes.values()) {
+      near(spent.timeS, () => `${clock(spent.timeS)} ${result}${goal === undefined ? "" : ` ${goalName(goal)}`}${operators.length > 0 ? `; ${operators.join(", ")}` : ""}`);
+    }
+    return best?.text();
   }
 
   private listen(): void {
     const { canvas } = this;
     let dragging = false;
-    const seek = (px: number): void => this.handlers.seek(this.indexAt(px));
+    const seek = (px: number): void => {
+      const { scene } = this;
+      if (scene) this.handlers.seek(scaleOf(scene, canvas.clientWidth).indexAt(scene.run, px));
+    };
     canvas.addEventListener("pointerdown", (event) => {
-      const life = this.laneAt(event.offsetY);
-      if (life) this.handlers.pick(life.goal);
+      const goal = this.laneAt(event.offsetY)?.lane.a?.goal;
+      if (goal !== undefined) this.handlers.pick(goal);
       if (event.offsetX < LEFT - 10) return;
       dragging = true;
       canvas.setPointerCapture(event.pointerId);
@@ -322,9 +196,11 @@ export class TimelineView {
       if (dragging) seek(event.offsetX);
       this.handlers.hint(this.hintAt(event.offsetX, event.offsetY), event.clientX, event.clientY);
     });
-    canvas.addEventListener("pointerup", () => {
+    const release = (): void => {
       dragging = false;
-    });
+    };
+    canvas.addEventListener("pointerup", release);
+    canvas.addEventListener("pointercancel", release);
     canvas.addEventListener("pointerleave", () => this.handlers.hint(undefined, 0, 0));
     canvas.addEventListener(
       "wheel",
@@ -336,7 +212,7 @@ export class TimelineView {
     );
     canvas.addEventListener("keydown", (event) => {
       if (event.key !== "ArrowUp" && event.key !== "ArrowDown") return;
-      this.scroll(event.key === "ArrowUp" ? -LANE * 2 : LANE * 2);
+      this.scroll(event.key === "ArrowUp" ? -20 : 20);
       event.preventDefault();
     });
   }
