@@ -78,14 +78,22 @@ export const truth = async ({ proves, shoot, drawn, one, two, rust, samples }) =
 
   await proves("the chosen plan and the family are those of the record", async (at) => {
     const { objective, choice } = decision(log, 1);
-    const chosen = objective.family[choice.chosen];
     const { tab } = await at(`${one}#d=1`);
     await ready(tab);
     await drawn(tab, 1);
-    const panel = await tab.locator("aside").innerText();
-    assert.ok(panel.includes(chosen.reliability.toFixed(4)), `reliability ${chosen.reliability}`);
+    const { sequence } = objective.family[choice.chosen];
+    const head = await tab.locator("aside").innerText();
+    for (const part of [sequence.reliability.toFixed(4), `${(sequence.energy_j / 1e3).toFixed(1)} kJ`, `${sequence.data_mb.toFixed(0)} MB`]) {
+      assert.ok(head.includes(part), `no ${part} in “${head.slice(0, 400)}”`);
+    }
     await tab.locator("#tab-plans").click();
-    assert.equal(await tab.locator("#tab-plans .count").innerText(), String(objective.family.length));
+    await tab.waitForSelector("tr[data-option]");
+    const rows = await tab.locator("tr[data-option]").evaluateAll((found) => found.map((row) => [Number(row.dataset.option), row.innerText.replace(/\s+/g, " ")]));
+    assert.equal(rows.length, objective.family.length);
+    for (const [option, text] of rows) {
+      const { sequence } = objective.family[option];
+      for (const part of [...sequence.stops.map(({ goal }) => `G${goal}`), sequence.reliability.toFixed(4)]) assert.ok(text.includes(part), `plan ${option}: no ${part} in “${text}”`);
+    }
   });
 
   await proves("the colours on the map are those of the values our reader finds there", async (at) => {
