@@ -1,5 +1,6 @@
 //! `wisdom view` and `wisdom report`: what is served, to whom, and what is in the page that is written.
 
+use std::collections::BTreeSet;
 use std::fs;
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
@@ -9,7 +10,7 @@ use std::process::{Child, Command, Output, Stdio};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde_json::Value;
-use wisdom_logbook::{LogReader, Reel, VerifyLevel, derive_at, plane, verify};
+use wisdom_logbook::{LogReader, Reel, derive_at, plane};
 
 fn sample(version: u32) -> PathBuf {
     let name = format!("logs/sample/paper-decisions-{version}.mcap");
@@ -287,32 +288,40 @@ fn a_report_holds_the_logs_byte_for_byte_and_may_be_written_again() {
     assert_eq!(beside.len(), 1, "nothing but the page is left: {beside:?}");
 }
 
-#[test]
-fn a_report_with_more_inside_still_verifies_and_holds_what_was_asked_for() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let html = folder.path().join("more.html");
-    let path = sample(5);
+/// The page of a report with further things inside, and how the command ended.
+fn report(folder: &Path, logs: &[&Path], more: &[&str]) -> (String, Output) {
+    let html = folder.join("report.html");
     let output = Command::new(env!("CARGO_BIN_EXE_wisdom"))
         .arg("report")
-        .arg(&path)
+        .args(logs)
         .arg("--html")
         .arg(&html)
-        .args(["--planes", "credit-dem,reliability", "--families", "--prices", "1"])
+        .args(more)
         .output()
         .expect("the command runs");
+    (fs::read_to_string(&html).expect("a page"), output)
+}
+
+#[test]
+fn what_is_asked_for_goes_beside_the_log_and_the_log_stays_as_it_is() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = sample(5);
+    let more = ["--planes", "credit-dem,reliability", "--families", "--prices", "1"];
+    let (page, output) = report(folder.path(), &[&path], &more);
     assert!(output.status.success(), "{}", text(&output.stderr));
-    let page = fs::read_to_string(&html).expect("a page");
-    let inside = folder.path().join("inside.mcap");
-    fs::write(&inside, decoded(element(&page, "log").expect("the log"))).expect("room");
-    let verified = verify(&inside, VerifyLevel::Redecide, &mut |_| {}).expect("it can be told");
-    assert!(verified.holds());
-    let (log, expanded) = (LogReader::open(&path).expect("a log"), LogReader::open(&inside));
-    let expanded = expanded.expect("a log");
+    assert!(decoded(element(&page, "log").expect("the log")) == fs::read(&path).expect("a log"));
+    let beside = folder.path().join("planes.mcap");
+    fs::write(&beside, decoded(element(&page, "planes").expect("the planes"))).expect("room");
+    let (log, planes) = (LogReader::open(&path).expect("a log"), LogReader::open(&beside));
+    let planes = planes.expect("a log");
+    assert_eq!(planes.decisions().count(), 0);
+    let topics: BTreeSet<&str> = planes.maps().map(|(_, topic)| topic).collect();
+    assert!(topics.iter().all(|topic| topic.contains("credit-dem") || topic.contains("reliab")));
     for number in 0..log.decisions().count() as u32 {
         let past = derive_at(&log, number).expect("it follows").expect("it is there");
         for name in ["credit-dem", "reliability"] {
             let mut reel = Reel::of(name);
-            let logged = reel.turn_to(&expanded, number).expect("it fits").expect("asked for");
+            let logged = reel.turn_to(&planes, number).expect("it fits").expect("asked for");
             assert!(*logged == *plane(&past.rover, name).expect("a plane"), "{name} of {number}");
         }
     }
@@ -324,5 +333,56 @@ fn a_report_with_more_inside_still_verifies_and_holds_what_was_asked_for() {
     assert_eq!(priced, ["1"]);
     let planes = more["index"]["planes"].as_array().expect("planes");
     let names: Vec<_> = planes.iter().filter_map(|plane| plane["name"].as_str()).collect();
-    assert_eq!(names, ["interest", "reliability", "credit-dem"]);
+    assert_eq!(names, ["reliability", "credit-dem"]);
+}
+
+#[test]
+fn a_report_of_a_log_that_is_not_whole_holds_it_as_it_is_and_says_so() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let bytes = fs::read(sample(5)).expect("the sample");
+    let cut = folder.path().join("cut.mcap");
+    fs::write(&cut, &bytes[..bytes.len() * 2 / 3]).expect("room");
+    let flipped = folder.path().join("flipped.mcap");
+    let mut wrong = bytes.clone();
+    wrong[bytes.len() / 2] ^= 1;
+    fs::write(&flipped, &wrong).expect("room");
+    for (log, code) in [(&cut, 3), (&flipped, 1)] {
+        for more in [&[][..], &["--planes", "ignorance", "--families"][..]] {
+            let (page, output) = report(folder.path(), &[log], more);
+            assert_eq!(output.status.code(), Some(code), "{}", text(&output.stderr));
+            let inside = decoded(element(&page, "log").expect("the log"));
+            assert!(inside == fs::read(log).expect("a log"), "{more:?}");
+            assert_eq!(element(&page, "planes").is_some(), !more.is_empty());
+        }
+    }
+}
+
+#[test]
+fn of_two_logs_the_one_that_cannot_be_derived_is_put_in_without_planes() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (a, b) = (sample(5), sample(4));
+    let (page, output) = report(folder.path(), &[&a, &b], &["--planes", "ignorance"]);
+    assert_eq!(output.status.code(), Some(3), "{}", text(&output.stderr));
+    assert!(text(&output.stderr).contains("version 4"), "{}", text(&output.stderr));
+    assert!(decoded(element(&page, "log-b").expect("it is there")) == fs::read(&b).expect("a log"));
+    assert!(element(&page, "planes").is_some() && element(&page, "planes-b").is_none());
+    let more: Value =
+        serde_json::from_str(element(&page, "derived").expect("the rest")).expect("JSON");
+    assert!(more["b"]["index"]["unavailable"].as_str().is_some_and(|why| why.contains("version")));
+}
+
+#[test]
+fn a_log_that_grows_and_gets_its_name_is_served_on() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let bytes = fs::read(sample(5)).expect("the sample");
+    let (part, whole) = (folder.path().join("run.mcap.part"), folder.path().join("run.mcap"));
+    fs::write(&part, &bytes[..bytes.len() / 2]).expect("room");
+    let served = Served::new(&[&part]);
+    assert_eq!(served.get("a/derived/family/0").status, 200);
+    assert_eq!(served.get("a/derived/family/4").status, 404);
+    fs::write(&part, &bytes).expect("room");
+    assert_eq!(served.get("a/derived/family/4").status, 200, "it has grown");
+    fs::rename(&part, &whole).expect("it is renamed");
+    assert!(served.get("a/log").body == bytes);
+    assert_eq!(served.get("a/derived/family/3").status, 200);
 }

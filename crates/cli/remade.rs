@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::collections::{BTreeMap, VecDeque};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
-use std::time::Duration;
+use std::time::{Duration, SystemTime};
 
 use serde_json::{Value, json};
 use wisdom_autonomy::Spec;
@@ -27,10 +27,15 @@ struct Kept {
     plane: Arc<Raster<f32>>,
 }
 
+/// What a file was when it was read: one that grows is another.
+type Stamp = Option<(u64, SystemTime)>;
+
+type Opened = Result<Deriver<Arc<LogReader>>, String>;
+
 /// The decisions of one log, for the viewer. The log is read when it is first asked for.
 pub(crate) struct OfLog {
     path: PathBuf,
-    deriver: Mutex<Option<Result<Deriver<Arc<LogReader>>, String>>>,
+    deriver: Mutex<Option<(Stamp, Opened)>>,
     planes: Mutex<VecDeque<Kept>>,
     prices: Mutex<BTreeMap<u32, Value>>,
 }
@@ -52,11 +57,35 @@ impl OfLog {
     ) -> Result<T, Refusal> {
         // A panic while deriving leaves the kept decisions whole: they are added when they are ready.
         let mut deriver = self.deriver.lock().unwrap_or_else(PoisonError::into_inner);
-        let made = deriver.get_or_insert_with(|| {
-            let log = LogReader::open(&self.path).map_err(ReplayError::from);
-            log.and_then(|log| Deriver::new(Arc::new(log))).map_err(|error| error.to_string())
-        });
+        let (_, made) = deriver.get_or_insert_with(|| self.opened());
         made.as_mut().map_or_else(|why| Err(Refusal::Failed(why.clone())), what)
+    }
+
+    fn opened(&self) -> (Stamp, Opened) {
+        let stamp = self.stamp();
+        let log = LogReader::open(&self.path()).map_err(ReplayError::from);
+        let made = log.and_then(|log| Deriver::new(Arc::new(log)));
+        (stamp, made.map_err(|error| error.to_string()))
+    }
+
+    /// Where the log is: a run that ends gives its file the final name.
+    fn path(&self) -> PathBuf {
+        wisdom_viewer::now_at(&self.path)
+    }
+
+    fn stamp(&self) -> Stamp {
+        let facts = std::fs::metadata(self.path()).ok()?;
+        Some((facts.len(), facts.modified().ok()?))
+    }
+
+    /// Forgets what was read, if the file is another by now.
+    fn read_anew_if_grown(&self) -> bool {
+        let mut deriver = self.deriver.lock().unwrap_or_else(PoisonError::into_inner);
+        let grown = deriver.as_ref().is_some_and(|(stamp, _)| *stamp != self.stamp());
+        if grown {
+            *deriver = None;
+        }
+        grown
     }
 
     /// Goes through the decisions once, so that each is near one that is kept when it is asked for.
@@ -71,11 +100,14 @@ impl OfLog {
     }
 
     fn past(&self, decision: u32) -> Result<Arc<Past>, Refusal> {
-        self.with(|deriver| match deriver.at(decision) {
-            Ok(Some(past)) => Ok(past),
-            Ok(None) => Err(Refusal::NotThere(format!("the log has no decision {decision}"))),
-            Err(error) => Err(Refusal::Failed(error.to_string())),
-        })
+        let ask = || {
+            self.with(|deriver| match deriver.at(decision) {
+                Ok(Some(past)) => Ok(past),
+                Ok(None) => Err(Refusal::NotThere(format!("the log has no decision {decision}"))),
+                Err(error) => Err(Refusal::Failed(error.to_string())),
+            })
+        };
+        ask().or_else(|refusal| if self.read_anew_if_grown() { ask() } else { Err(refusal) })
     }
 
     fn plane(&self, decision: u32, name: &str) -> Result<Arc<Raster<f32>>, Refusal> {
@@ -155,6 +187,8 @@ impl Remade for OfLog {
     fn answer(&self, asked: &Asked) -> Result<Answer, Refusal> {
         match asked {
             Asked::Index => {
+                // A page that is loaded again shows what is there by now.
+                self.read_anew_if_grown();
                 let told = self.with(|deriver| Ok(index(deriver.start().spec(), |_| true)));
                 let told = told.or_else(|refusal| match refusal {
                     Refusal::Failed(why) => Ok(json!({ "unavailable": why })),

@@ -7,19 +7,19 @@ use std::process::ExitCode;
 use anyhow::Context;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::{Value, json};
-use wisdom_logbook::{Deriver, LogReader, MapMode};
+use wisdom_logbook::{Deriver, LogReader, PlaneLog, ReplayError, Status, mission_of};
 use wisdom_viewer::{Page, Slot};
 
 use crate::exit::InputError;
-use crate::{explain, remade, view};
+use crate::{exit, explain, remade, view};
 
 /// The most bytes of logs in a page: browsers hold no longer texts.
 const MOST: u64 = 256 << 20;
 
 /// Write the viewer's page with a log inside, or two: one file to be opened from disk, or mailed.
 ///
-/// What the log holds only as digests can be put in beside it, made again from the logged inputs: further planes at every decision, the
-/// ways of alternatives, price tags.
+/// The log goes in byte for byte, whole or not. What it holds only as digests can be put in beside it, made again from the logged inputs:
+/// further planes at every decision, the ways of alternatives, price tags.
 #[derive(clap::Args, Debug)]
 pub(crate) struct ReportArgs {
     /// The log (NAME.mcap or NAME.mcap.part).
@@ -71,32 +71,47 @@ impl ReportArgs {
     }
 }
 
+/// What goes into the page of one log.
+struct TakenIn {
+    bytes: Vec<u8>,
+    status: Status,
+    planes: Option<Vec<u8>>,
+    remade: Option<Value>,
+}
+
 pub(crate) fn run(args: &ReportArgs) -> anyhow::Result<ExitCode> {
     check_output(&args.html)?;
     let logs: Vec<(Slot, &Path)> = std::iter::once((Slot::A, args.log.as_path()))
         .chain(args.log_b.as_deref().map(|log| (Slot::B, log)))
         .collect();
+    let mut inside = 0;
     for (_, log) in &logs {
         view::check(log)?;
+        inside += std::fs::metadata(log)?.len();
+        check_size(inside, log)?;
     }
+    let planes = planes_of(args, &logs)?;
     let shown = !args.json && std::io::stderr().is_terminal();
     let mut page = Page::default();
     let mut more = serde_json::Map::new();
-    let mut inside = 0;
+    let mut code = ExitCode::SUCCESS;
     for (slot, path) in &logs {
-        let (bytes, remade) = taken_in(args, path, shown)?;
-        inside += bytes.len() as u64;
-        if inside > MOST {
-            let found = inside >> 20;
-            return Err(InputError(format!(
-                "{}: {found} MiB of logs; a page holds {} at most, `wisdom view` any number",
-                path.display(),
-                MOST >> 20
-            ))
-            .into());
+        let taken = taken_in(args, path, &planes, shown)?;
+        if taken.status != Status::Complete {
+            code = exit::of_status(&taken.status);
         }
-        page.log(*slot, view::name(path), bytes);
-        if let Some(remade) = remade {
+        if let Some(why) = taken.remade.as_ref().and_then(|of| of["index"]["unavailable"].as_str())
+        {
+            exit::complain(&format!("remark: {}: {why}; it is put in as it is", path.display()));
+            code = ExitCode::from(exit::LOSSY);
+        }
+        page.log(*slot, view::name(path), taken.bytes);
+        if let Some(planes) = taken.planes {
+            inside += planes.len() as u64;
+            check_size(inside, path)?;
+            page.planes(*slot, planes);
+        }
+        if let Some(remade) = taken.remade {
             more.insert(slot.name().to_owned(), remade);
         }
     }
@@ -113,7 +128,44 @@ pub(crate) fn run(args: &ReportArgs) -> anyhow::Result<ExitCode> {
     } else {
         writeln!(out, "{}: {:.1} MB", args.html.display(), bytes as f64 / 1e6)?;
     }
-    Ok(ExitCode::SUCCESS)
+    Ok(code)
+}
+
+fn check_size(inside: u64, path: &Path) -> Result<(), InputError> {
+    if inside <= MOST {
+        return Ok(());
+    }
+    let (found, path) = (inside >> 20, path.display());
+    let most = MOST >> 20;
+    Err(InputError(format!(
+        "{path}: {found} MiB of logs and planes; a page holds {most} at most, `wisdom view` any number"
+    )))
+}
+
+/// The planes asked for by name: each must be one that some log's decisions have.
+fn planes_of(args: &ReportArgs, logs: &[(Slot, &Path)]) -> anyhow::Result<Vec<String>> {
+    if args.planes.is_empty() {
+        return Ok(Vec::new());
+    }
+    let mut known: Vec<String> = Vec::new();
+    let mut missing = None;
+    for (_, path) in logs {
+        match LogReader::open(path).map_err(ReplayError::from).and_then(|log| mission_of(&log)) {
+            Ok(mission) => {
+                known.extend(wisdom_logbook::planes(&mission.spec).into_iter().map(|p| p.name));
+            }
+            Err(error) => missing = Some(error),
+        }
+    }
+    if args.planes.iter().any(|name| name == "all") {
+        return Ok(known);
+    }
+    match args.planes.iter().find(|name| !known.contains(name)) {
+        Some(name) if missing.is_none() => {
+            Err(ReplayError::NoPlane { name: name.clone(), known }.into())
+        }
+        _ => Ok(args.planes.clone()),
+    }
 }
 
 /// Whether a page may go there: a name that ends in `.html`, and nothing there but an older page of ours.
@@ -135,78 +187,76 @@ fn is_ours(bytes: &[u8]) -> bool {
     bytes.windows(MARK.len()).any(|window| window == MARK)
 }
 
-/// A log's bytes, with further planes if any are asked for, and what else was made again of it.
+/// A log's bytes as they are, and what was made again of it, if that is asked for and can be done.
 fn taken_in(
     args: &ReportArgs,
     path: &Path,
+    planes: &[String],
     shown: bool,
-) -> anyhow::Result<(Vec<u8>, Option<Value>)> {
-    let read = |path: &Path| {
-        std::fs::read(path).with_context(|| format!("{} cannot be read", path.display()))
-    };
+) -> anyhow::Result<TakenIn> {
+    let bytes =
+        std::fs::read(path).with_context(|| format!("{} cannot be read", path.display()))?;
     if !args.asks_for_more() {
-        return Ok((read(path)?, None));
+        let status = LogReader::open(path)?.status;
+        return Ok(TakenIn { bytes, status, planes: None, remade: None });
     }
     let log = LogReader::open(path)?;
-    let mut deriver = Deriver::new(&log)?;
-    let spec = deriver.start().spec().clone();
     let numbers: Vec<u32> = log.decisions().map(|decision| decision.number).collect();
     for which in &args.prices {
         if let Which::One(number) = which
             && !numbers.contains(number)
         {
-            let count = numbers.len();
-            let path = path.display();
+            let (count, path) = (numbers.len(), path.display());
             return Err(InputError(format!(
                 "--prices {number}: {path} holds {count} decisions, counted from 0"
             ))
             .into());
         }
     }
-    let planes: Vec<String> = if args.planes.iter().any(|name| name == "all") {
-        wisdom_logbook::planes(&spec).into_iter().map(|plane| plane.name).collect()
-    } else {
-        args.planes.clone()
-    };
     let bar = if shown { ProgressBar::new(numbers.len() as u64) } else { ProgressBar::hidden() };
     bar.set_style(ProgressStyle::with_template(
-        "{msg} {bar:30} {pos} of {len} decisions  {elapsed}",
+        "{msg} {bar:30} {pos} of {len} decisions  {elapsed}, {eta} left",
     )?);
-    bar.set_message(format!("{}: planes", view::name(path)));
-    let bytes = if planes.is_empty() {
-        read(path)?
-    } else {
-        let folder = tempfile::tempdir().context("no room for the planes")?;
-        let made = wisdom_logbook::expand(
-            &log,
-            &folder.path().join("expanded.mcap"),
-            MapMode::Patch,
-            &planes,
-            &mut |_| bar.inc(1),
-        )?;
-        read(&made)?
+    bar.set_message(view::name(path));
+    let made = made_again(args, &log, &numbers, planes, &bar);
+    bar.finish_and_clear();
+    let (planes, remade) = match made {
+        Ok((planes, remade)) => (planes, remade),
+        Err(why) => (None, json!({ "index": { "unavailable": why.to_string() } })),
     };
-    bar.set_position(0);
-    bar.set_message(format!("{}: plans and prices", view::name(path)));
-    let mut families = serde_json::Map::new();
-    let mut prices = serde_json::Map::new();
+    Ok(TakenIn { bytes, status: log.status.clone(), planes, remade: Some(remade) })
+}
+
+/// Goes through the decisions once and makes again what is asked for.
+fn made_again(
+    args: &ReportArgs,
+    log: &LogReader,
+    numbers: &[u32],
+    planes: &[String],
+    bar: &ProgressBar,
+) -> Result<(Option<Vec<u8>>, Value), ReplayError> {
+    let mut deriver = Deriver::new(log)?;
+    let spec = deriver.start().spec().clone();
+    let own: Vec<String> =
+        planes.iter().filter(|name| wisdom_logbook::is_plane(&spec, name)).cloned().collect();
+    let mut beside = (!own.is_empty()).then(|| PlaneLog::new(log, &spec, &own)).transpose()?;
+    let (mut families, mut prices) = (serde_json::Map::new(), serde_json::Map::new());
     for number in numbers {
-        let priced = args.asks_for_prices_of(number);
-        if !args.families && !priced {
-            continue;
+        let Some(past) = deriver.at(*number)? else { continue };
+        if let Some(planes) = &mut beside {
+            planes.add(&past)?;
         }
-        let Some(past) = deriver.at(number)? else { continue };
         if args.families {
             families.insert(number.to_string(), remade::family(&past));
         }
-        if priced {
+        if args.asks_for_prices_of(*number) {
             prices.insert(number.to_string(), explain::left_out(&past));
         }
         bar.inc(1);
     }
-    bar.finish_and_clear();
-    let index = remade::index(&spec, |name| name == "interest" || planes.iter().any(|p| p == name));
-    Ok((bytes, Some(json!({ "index": index, "families": families, "prices": prices }))))
+    let index = remade::index(&spec, |name| own.iter().any(|own| own == name));
+    let planes = beside.map(PlaneLog::close).transpose()?;
+    Ok((planes, json!({ "index": index, "families": families, "prices": prices })))
 }
 
 /// Writes the page whole, or leaves what was there.

@@ -8,6 +8,7 @@ use std::process::ExitCode;
 use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressStyle};
+use rayon::prelude::*;
 use serde_json::{Value, json};
 use wisdom_autonomy::{Applied, Confirmation, Deliberation, GoalPrice, Spec};
 use wisdom_goals::{GoalId, GoalSequence, Known, Lever, Price, Reason, Term};
@@ -101,8 +102,7 @@ pub(crate) fn run(args: &ExplainArgs) -> anyhow::Result<ExitCode> {
     bar.finish_and_clear();
     let mut out = std::io::BufWriter::new(std::io::stdout().lock());
     if args.json {
-        let goals: Vec<Value> = told.iter().map(|t| as_json(t, spec)).collect();
-        let way = args.why_not.and(told.first()).and_then(|t| best_way(decided, spec, t));
+        let goals: Vec<Value> = told.par_iter().map(|t| as_json(t, decided, spec)).collect();
         let object = json!({
             "log": args.log.display().to_string(),
             "decision": number,
@@ -110,14 +110,6 @@ pub(crate) fn run(args: &ExplainArgs) -> anyhow::Result<ExitCode> {
             "limits": limits_of(decided),
             "chosen": names(past.decision.plan().sequence.goals()),
             "left_out": goals,
-            "with_it": way.map(|way| json!({
-                "order": names(way.sequence.goals()),
-                "displaced": names(way.displaced.into_iter()),
-                "value": way.sequence.value,
-                "reliability": way.sequence.reliability,
-                "time_s": way.sequence.time_s,
-                "energy_j": way.sequence.energy_j,
-            })),
         });
         writeln!(out, "{object}")?;
     } else {
@@ -140,9 +132,9 @@ pub(crate) fn left_out(past: &Past) -> Value {
     let prices = past.rover.price_tags();
     let confirmations = past.rover.confirmed(&prices);
     let spec = past.rover.spec();
-    let goals: Vec<Value> =
-        told(prices, confirmations).iter().map(|told| as_json(told, spec)).collect();
     let decided = past.rover.deliberation().expect("a core that has decided has deliberated");
+    let told = told(prices, confirmations);
+    let goals: Vec<Value> = told.par_iter().map(|told| as_json(told, decided, spec)).collect();
     json!({ "limits": limits_of(decided), "left_out": goals })
 }
 
@@ -448,7 +440,7 @@ fn summary(out: &mut dyn Write, told: &[Told]) -> std::io::Result<()> {
     writeln!(out, "\n{goals} left out; {prices}, {confirmed} confirmed by applying")
 }
 
-fn as_json(told: &Told, spec: &Spec) -> Value {
+fn as_json(told: &Told, decided: &Deliberation, spec: &Spec) -> Value {
     let GoalPrice { verdict, tag, interest } = &told.price;
     let goal = &verdict.goal;
     let Confirmation { energy_j, time_s, reliability, prize } = told.confirmation;
@@ -486,5 +478,23 @@ fn as_json(told: &Told, spec: &Spec) -> Value {
             "prize": price(&tag.prize, prize),
             "interest": interest,
         },
+        "with_it": best_way(decided, spec, told).map(|way| json!({
+            "order": names(way.sequence.goals()),
+            "displaced": names(way.displaced.into_iter()),
+            "lever": way.lever.map(|(lever, _)| lever_name(lever)),
+            "value": way.sequence.value,
+            "reliability": way.sequence.reliability,
+            "time_s": way.sequence.time_s,
+            "energy_j": way.sequence.energy_j,
+        })),
     })
+}
+
+/// The name of a lever.
+fn lever_name(lever: Lever) -> &'static str {
+    match lever {
+        Lever::Energy => "energy",
+        Lever::Time => "time",
+        Lever::Reliability => "reliability",
+    }
 }

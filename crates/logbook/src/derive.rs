@@ -12,9 +12,9 @@ use crate::compare::first_difference;
 use crate::replay::same_version;
 use crate::{Entry, LogReader, ReplayError, Setting, mission_of, record};
 
-/// Cells of the decisions kept along the way, and of those asked for last. Each holds its maps, some two hundred bytes a
-/// cell.
-const KEPT_CELLS: usize = 1 << 20;
+/// Cells of the decisions kept along the way, and as many of those asked for last. Each holds its maps and the ways found on
+/// them, some five hundred bytes a cell.
+const KEPT_CELLS: usize = 1 << 19;
 
 /// A decision of the past with what it was made from.
 #[derive(Debug, Clone)]
@@ -142,7 +142,7 @@ impl<L: Deref<Target = LogReader>> Deriver<L> {
         }
         self.recent.retain(|kept| kept.past.decision.number != number);
         let cells = kept.past.maps().interest.interest.spec().len();
-        while self.recent.len() >= (KEPT_CELLS / cells).clamp(2, 4) {
+        while self.recent.len() >= (KEPT_CELLS / cells).clamp(1, 4) {
             self.recent.pop_front();
         }
         self.recent.push_back(kept);

@@ -6,9 +6,10 @@ use wisdom_autonomy::{Autonomy, AutonomyError, Message, Observation, Outcome, Sp
 
 use crate::replay::same_version;
 use crate::store::part_of;
+use crate::write::PLANES;
 use crate::{
-    Entry, LogReader, LogWriter, MapMode, Options, ReplayError, RunHeader, Setting, SyncPolicy,
-    first_difference, is_plane, mission_of, plane, planes as planes_of, record,
+    Entry, LogReader, LogWriter, MapMode, Options, Past, ReplayError, RunHeader, Setting,
+    SyncPolicy, first_difference, is_plane, mission_of, plane, planes as planes_of, record,
 };
 
 /// Writes a log again with maps at every decision: those that a log of that mode holds, and further `planes`
@@ -41,6 +42,53 @@ pub fn expand(
         std::fs::remove_file(part_of(to)).ok();
     }
     made
+}
+
+/// Planes of decisions that were derived again, in an MCAP file of their own: what goes beside a log that is to stay as it
+/// is. In patches; with the log's facts, so that it is known where the planes lie.
+pub struct PlaneLog {
+    writer: LogWriter<Vec<u8>>,
+    planes: Vec<String>,
+}
+
+impl PlaneLog {
+    /// Begins one of these planes ([`plane`]).
+    ///
+    /// # Errors
+    /// [`ReplayError::NoPlane`] if the mission's decisions have no such plane.
+    pub fn new(log: &LogReader, spec: &Spec, planes: &[String]) -> Result<Self, ReplayError> {
+        if let Some(name) = planes.iter().find(|name| !is_plane(spec, name)) {
+            return Err(no_plane(spec, name));
+        }
+        let mut metadata = log.metadata.clone();
+        metadata.insert(PLANES.to_owned(), planes.join(","));
+        let header = RunHeader { metadata, attachments: Vec::new() };
+        let options = Options { sync: SyncPolicy::End, maps: MapMode::Patch };
+        let writer = LogWriter::over(Vec::new(), &header, Setting::from(spec), options)?;
+        Ok(Self { writer, planes: planes.to_vec() })
+    }
+
+    /// Adds the planes of a decision. Decisions come in their order.
+    ///
+    /// # Errors
+    /// [`ReplayError::NoPlane`] if the decision is of another mission.
+    pub fn add(&mut self, past: &Past) -> Result<(), ReplayError> {
+        let mut made = Vec::new();
+        for name in &self.planes {
+            let plane = plane(&past.rover, name);
+            made.push((name.as_str(), plane.ok_or_else(|| no_plane(past.rover.spec(), name))?));
+        }
+        let made: Vec<_> = made.iter().map(|(name, plane)| (*name, &**plane)).collect();
+        Ok(self.writer.planes(&past.decision, &made)?)
+    }
+
+    /// Ends the file: its bytes.
+    ///
+    /// # Errors
+    /// [`LogError`](crate::LogError) if it cannot be closed.
+    pub fn close(self) -> Result<Vec<u8>, ReplayError> {
+        Ok(self.writer.close()?)
+    }
 }
 
 fn no_plane(spec: &Spec, name: &str) -> ReplayError {

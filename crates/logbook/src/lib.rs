@@ -24,7 +24,7 @@ pub mod write;
 pub use compare::{Difference, MapDifference, first_difference};
 pub use derive::{Deriver, Past, derive_at};
 pub use error::LogError;
-pub use expand::expand;
+pub use expand::{PlaneLog, expand};
 pub use indexed::{AttachmentAt, Contents, IndexedLog};
 pub use life::{GoalLife, Weighing};
 pub use planes::{PlaneGroup, PlaneInfo, is_plane, plane, planes};

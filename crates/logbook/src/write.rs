@@ -104,6 +104,9 @@ impl std::fmt::Display for MapMode {
     }
 }
 
+/// The fact of a file that holds planes of a run's decisions alone: their names.
+pub(crate) const PLANES: &str = "planes";
+
 /// Decisions from one whole map to the next in a log of patches.
 pub const KEY_EVERY: u32 = 16;
 
@@ -287,6 +290,19 @@ impl<S: Store> LogWriter<S> {
         self.chain = link;
         self.decisions += 1;
         Ok(())
+    }
+
+    /// Logs planes of a decision by their names, and nothing else of it.
+    pub(crate) fn planes(
+        &mut self,
+        decision: &Decision,
+        planes: &[(&str, &Raster<f32>)],
+    ) -> Result<(), LogError> {
+        self.advance(decision.state.spent);
+        for (name, plane) in planes {
+            self.plane(decision.number, name, plane)?;
+        }
+        self.flush()
     }
 
     /// Adds a line to the text log, at the time of the last record.

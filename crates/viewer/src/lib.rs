@@ -6,4 +6,4 @@ mod server;
 
 pub use page::{PAGE, Page, Slot};
 pub use remade::{Answer, Asked, Refusal, Remade};
-pub use server::{Server, Shown};
+pub use server::{Server, Shown, now_at};

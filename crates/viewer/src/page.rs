@@ -31,12 +31,30 @@ impl Slot {
         }
     }
 
-    fn element(self) -> &'static str {
-        match self {
-            Self::A => "log",
-            Self::B => "log-b",
+    fn element(self, what: What) -> &'static str {
+        match (self, what) {
+            (Self::A, What::Log) => "log",
+            (Self::B, What::Log) => "log-b",
+            (Self::A, What::Planes) => "planes",
+            (Self::B, What::Planes) => "planes-b",
         }
     }
+}
+
+/// What a file inside the page is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum What {
+    Log,
+    Planes,
+}
+
+/// A file inside the page.
+#[derive(Debug, Clone)]
+struct Inside {
+    slot: Slot,
+    what: What,
+    name: String,
+    bytes: Vec<u8>,
 }
 
 /// The page with logs and data inside.
@@ -53,14 +71,20 @@ impl Slot {
 /// ```
 #[derive(Debug, Clone, Default)]
 pub struct Page {
-    logs: Vec<(Slot, String, Vec<u8>)>,
+    files: Vec<Inside>,
     data: Vec<(&'static str, Value)>,
 }
 
 impl Page {
     /// Puts a log inside, under the name that it is to be called by.
     pub fn log(&mut self, slot: Slot, name: impl Into<String>, bytes: Vec<u8>) {
-        self.logs.push((slot, name.into(), bytes));
+        self.files.push(Inside { slot, what: What::Log, name: name.into(), bytes });
+    }
+
+    /// Puts further planes beside a log: an MCAP file with `foxglove.Grid` messages on `/map/NAME`, whose sequence numbers are
+    /// those of the log's decisions.
+    pub fn planes(&mut self, slot: Slot, bytes: Vec<u8>) {
+        self.files.push(Inside { slot, what: What::Planes, name: "planes".to_owned(), bytes });
     }
 
     /// Puts in what was made again of the logs inside.
@@ -85,8 +109,8 @@ impl Page {
             let json = value.to_string().replace('<', "\\u003c");
             writeln!(out, r#"<script type="application/json" id="{id}">{json}</script>"#)?;
         }
-        for (slot, name, bytes) in &self.logs {
-            let (id, name) = (slot.element(), attribute(name));
+        for Inside { slot, what, name, bytes } in &self.files {
+            let (id, name) = (slot.element(*what), attribute(name));
             write!(
                 out,
                 r#"<script type="application/octet-stream;base64" id="{id}" data-name="{name}">"#

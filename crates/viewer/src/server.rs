@@ -2,7 +2,7 @@
 
 use std::io;
 use std::net::{Ipv4Addr, SocketAddr, TcpListener};
-use std::path::PathBuf;
+use std::path::{Path as FilePath, PathBuf};
 use std::sync::Arc;
 
 use axum::Router;
@@ -60,7 +60,7 @@ impl Server {
                 json!({ "name": name, "log": log_at, "derived": derived_at }),
             );
             inner = inner
-                .route_service(&format!("/{log_at}"), ServeFile::new(log))
+                .route(&format!("/{log_at}"), get(move |request| log_file(log.clone(), request)))
                 .nest(&format!("/{derived_at}"), derived(remade));
         }
         let mut page = Page::default();
@@ -98,11 +98,31 @@ impl Server {
     }
 }
 
+/// Where a log is by now: a run that ends gives `NAME.part` the name `NAME`.
+#[must_use]
+pub fn now_at(log: &FilePath) -> PathBuf {
+    let ended = log.extension().is_some_and(|end| end == "part").then(|| log.with_extension(""));
+    ended.filter(|ended| !log.exists() && ended.exists()).unwrap_or_else(|| log.to_path_buf())
+}
+
+/// The log, or the part of it that is asked for.
+async fn log_file(log: PathBuf, request: Request) -> Response {
+    match ServeFile::new(now_at(&log)).try_call(request).await {
+        Ok(response) => response.map(Body::new),
+        Err(error) => (StatusCode::NOT_FOUND, error.to_string()).into_response(),
+    }
+}
+
 /// Lets through only who asks for this server by its own name, and only to read.
 async fn only_this_machine(State(port): State<u16>, request: Request, next: Next) -> Response {
     let host = request.headers().get(header::HOST).and_then(|host| host.to_str().ok());
-    let own = [format!("127.0.0.1:{port}"), format!("localhost:{port}")];
-    if !host.is_some_and(|host| own.iter().any(|name| name == host)) {
+    // Of the web's own port browsers do not speak.
+    let own = |name: &str| match host.and_then(|host| host.strip_prefix(name)) {
+        Some("") => port == 80,
+        Some(rest) => rest.strip_prefix(':') == Some(port.to_string().as_str()),
+        None => false,
+    };
+    if !own("127.0.0.1") && !own("localhost") {
         return (StatusCode::MISDIRECTED_REQUEST, "not the name of this server\n").into_response();
     }
     if !matches!(*request.method(), Method::GET | Method::HEAD) {

@@ -15,7 +15,7 @@ use super::{Entry, MAPS, RunEnd, Status};
 use crate::comparison::MERGED;
 use crate::record::{self, CHAIN_START, hex};
 use crate::recover::RECOVERED;
-use crate::write::{END, RUN};
+use crate::write::{END, PLANES, RUN};
 use crate::{LogError, topic};
 
 /// Which message an item is.
@@ -234,6 +234,8 @@ pub(crate) struct Story {
     merged: bool,
     /// Whether the run's facts were told.
     begun: bool,
+    /// Whether it holds planes of a run's decisions alone, and goes beside the run's log.
+    beside: bool,
     /// The maps of the decision that comes next.
     planes: BTreeSet<String>,
     next: Next,
@@ -284,7 +286,10 @@ impl Story {
                 let Some(entry) = entry(at, data)? else {
                     if at.topic.starts_with(MAPS) {
                         let (topic, number, due) = (at.topic, at.number, self.next.decisions);
-                        if number != due {
+                        if self.beside && number > due {
+                            self.next.decisions = number;
+                            self.planes.clear();
+                        } else if number != due {
                             return Err(format!("{topic} of decision {number} before {due}"));
                         }
                         if !self.planes.insert(topic.to_owned()) {
@@ -303,7 +308,10 @@ impl Story {
                 match metadata.name.as_str() {
                     MERGED => self.merged = true,
                     RUN if self.begun => return Err(format!("{RUN} is there twice")),
-                    RUN => self.begun = true,
+                    RUN => {
+                        self.begun = true;
+                        self.beside = metadata.metadata.contains_key(PLANES);
+                    }
                     END => self.end = Some(run_end(metadata.metadata.clone())?),
                     RECOVERED => self.recovered = Some(metadata.metadata.clone()),
                     _ => {}
