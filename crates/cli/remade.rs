@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::collections::{BTreeMap, VecDeque};
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, SystemTime};
 
 use serde_json::{Value, json};
@@ -55,10 +55,14 @@ impl OfLog {
         &self,
         what: impl FnOnce(&mut Deriver<Arc<LogReader>>) -> Result<T, Refusal>,
     ) -> Result<T, Refusal> {
-        // A panic while deriving leaves the kept decisions whole: they are added when they are ready.
-        let mut deriver = self.deriver.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut deriver = self.lock();
         let (_, made) = deriver.get_or_insert_with(|| self.opened());
         made.as_mut().map_or_else(|why| Err(Refusal::Failed(why.clone())), what)
+    }
+
+    fn lock(&self) -> MutexGuard<'_, Option<(Stamp, Opened)>> {
+        // A panic while deriving leaves the kept decisions whole: they are added when they are ready.
+        self.deriver.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     fn opened(&self) -> (Stamp, Opened) {
@@ -78,14 +82,15 @@ impl OfLog {
         Some((facts.len(), facts.modified().ok()?))
     }
 
-    /// Forgets what was read, if the file is another by now.
-    fn read_anew_if_grown(&self) -> bool {
-        let mut deriver = self.deriver.lock().unwrap_or_else(PoisonError::into_inner);
-        let grown = deriver.as_ref().is_some_and(|(stamp, _)| *stamp != self.stamp());
-        if grown {
+    /// Forgets what was read of a file that is another by now; whether what was `asked` is such.
+    fn forget_if_grown(&self, asked: Stamp) -> bool {
+        let now = self.stamp();
+        let mut deriver = self.lock();
+        // Somebody else may have read it anew meanwhile.
+        if deriver.as_ref().is_some_and(|(stamp, _)| *stamp != now) {
             *deriver = None;
         }
-        grown
+        asked != now
     }
 
     /// Goes through the decisions once, so that each is near one that is kept when it is asked for.
@@ -107,7 +112,8 @@ impl OfLog {
                 Err(error) => Err(Refusal::Failed(error.to_string())),
             })
         };
-        ask().or_else(|refusal| if self.read_anew_if_grown() { ask() } else { Err(refusal) })
+        let asked = self.lock().as_ref().and_then(|(stamp, _)| *stamp);
+        ask().or_else(|refusal| if self.forget_if_grown(asked) { ask() } else { Err(refusal) })
     }
 
     fn plane(&self, decision: u32, name: &str) -> Result<Arc<Raster<f32>>, Refusal> {
@@ -188,7 +194,7 @@ impl Remade for OfLog {
         match asked {
             Asked::Index => {
                 // A page that is loaded again shows what is there by now.
-                self.read_anew_if_grown();
+                self.forget_if_grown(None);
                 let told = self.with(|deriver| Ok(index(deriver.start().spec(), |_| true)));
                 let told = told.or_else(|refusal| match refusal {
                     Refusal::Failed(why) => Ok(json!({ "unavailable": why })),
