@@ -6,8 +6,12 @@ import { chromium } from "playwright-core";
 
 export const page = readFileSync(new URL("../dist/index.html", import.meta.url));
 
-/** The page with a block in it, right before the place that it draws in. */
-const withBlock = (block) => page.toString().replace('<div id="app">', () => `${block}<div id="app">`);
+/** The page with a block in it, where the command puts it: at the end of the body. */
+const withBlock = (block) => {
+  const whole = page.toString();
+  const end = whole.lastIndexOf("</body>");
+  return `${whole.slice(0, end)}${block}${whole.slice(end)}`;
+};
 
 /** Serves the bare page, as any web server could. */
 export const serve = () =>
@@ -16,10 +20,15 @@ export const serve = () =>
     server.listen(0, "127.0.0.1", () => resolve({ url: `http://127.0.0.1:${server.address().port}/`, close: () => server.close() }));
   });
 
-/** The page with a log inside, as it is mailed, and what is derived from it. */
-export const inlined = (log, name, derived) =>
+const bytesBlock = (id, name, bytes) => (bytes ? `<script type="application/octet-stream;base64" id="${id}" data-name="${name}">${bytes.toString("base64")}</script>` : "");
+
+/** The page with a log inside, as it is mailed, and what is derived from it, with a log of planes; and a second of all that. */
+export const inlined = (log, name, derived, planes, other) =>
   withBlock(
-    `<script type="application/octet-stream;base64" id="log" data-name="${name}">${log.toString("base64")}</script>` +
+    bytesBlock("log", name, log) +
+      bytesBlock("planes", "planes", planes) +
+      bytesBlock("log-b", other?.name, other?.log) +
+      bytesBlock("planes-b", "planes-b", other?.planes) +
       (derived ? `<script type="application/json" id="derived">${JSON.stringify(derived)}</script>` : ""),
   );
 

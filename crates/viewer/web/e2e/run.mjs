@@ -15,6 +15,7 @@ import { odd } from "./odd.mjs";
 import { otherRun, sample as samplePath, view } from "./rust.mjs";
 import { runs } from "./runs.mjs";
 import { truth } from "./truth.mjs";
+import { unlike } from "./unlike.mjs";
 
 const sample = readFileSync(samplePath(5));
 const flag = process.argv.indexOf("--shots");
@@ -275,6 +276,7 @@ await runs({ proves, shoot, drawn, one: served, two });
 await odd({ proves, shoot, bare: server.url, sample, timings });
 await ground({ proves, shoot, drawn, server, one: served, two, sample });
 
+await unlike({ proves, shoot, drawn, bare: server.url, one: served, two, sample, other });
 await truth({ proves, shoot, drawn, one: served, two: pair.url, rust: alone, samples: [samplePath(5), other] });
 
 await chromium.close();

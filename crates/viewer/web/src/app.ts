@@ -101,7 +101,7 @@ export class App {
     this.closeOther();
     this.sides.a?.close();
     this.intake.welcome.hidden = true;
-    this.banner.say("", "");
+    this.banner.say("a", "", "");
     delete document.documentElement.dataset.ready;
     delete document.documentElement.dataset.drawn;
     this.sides.a = new Side(given, (side, tell) => this.hear(side, tell), () => this.learned());
@@ -110,12 +110,14 @@ export class App {
   /** Opens a log beside the one that is open. */
   compare(given: Given): void {
     this.closeOther();
+    this.banner.beside(true);
     this.sides.b = new Side(given, (side, tell) => this.hearOther(side, tell), () => this.learned());
   }
 
   private closeOther(): void {
     this.sides.b?.close();
     this.sides.b = undefined;
+    this.banner.beside(false);
     delete document.documentElement.dataset.other;
     const { view } = this.store;
     this.store.set({ tab: view.tab === "other" ? "goals" : view.tab, probed: "a" });
@@ -161,8 +163,8 @@ export class App {
       const { wholeness } = tell;
       const fault = "text" in wholeness ? wholeness.text : "";
       this.main.classList.toggle("empty", run.moments.length === 0);
-      if (run.moments.length === 0) this.banner.say(wholeness.kind === "whole" ? "unfinished" : wholeness.kind, `${run.facts.name}: no decision is to be had. ${fault || "What the file holds is listed below."}`);
-      else this.banner.say(wholeness.kind, fault);
+      if (run.moments.length === 0) this.banner.say("a", wholeness.kind === "whole" ? "unfinished" : wholeness.kind, `${run.facts.name}: no decision is to be had. ${fault || "What the file holds is listed below."}`);
+      else this.banner.say("a", wholeness.kind, fault);
       document.documentElement.dataset.ready = "true";
     }
     this.store.grown();
@@ -170,15 +172,15 @@ export class App {
 
   /** What could not even be begun: there is nothing to show but why. */
   private failed(text: string): void {
-    this.banner.say("damaged", text);
+    this.banner.say("a", "damaged", text);
     this.intake.welcome.hidden = this.sides.a?.run !== undefined;
     document.documentElement.dataset.ready = "true";
   }
 
   private hearOther({ run }: Side, tell: Tell): void {
-    if (tell.kind === "failed") this.banner.say("damaged", `B: ${tell.text}`);
+    if (tell.kind === "failed") this.banner.say("b", "damaged", tell.text);
     if (run && tell.kind === "end") {
-      if ("text" in tell.wholeness) this.banner.say(tell.wholeness.kind, `B: ${tell.wholeness.text}`);
+      if ("text" in tell.wholeness) this.banner.say("b", tell.wholeness.kind, tell.wholeness.text);
       this.layers.offer();
       if (!this.links.tab) this.store.set({ tab: "other" });
       this.headline();

@@ -13,19 +13,25 @@ export interface Given {
 /** The logs that came with the page, first and second. */
 export const given = (): { a?: Given; b?: Given } => {
   const derived = json("derived");
-  const [a, b] = [inlined("log", "log.mcap", member(derived, "a")), inlined("log-b", "log-b.mcap", member(derived, "b"))];
+  const [a, b] = [inlined("log", "log.mcap", member(derived, "a"), taken("planes")), inlined("log-b", "log-b.mcap", member(derived, "b"), taken("planes-b"))];
   if (a) return { a, b };
   const served = json("served");
   return { a: fromServer(member(served, "a")), b: fromServer(member(served, "b")) };
 };
 
-/** A log inside the page. A second copy of it is of no use, so it is taken out. */
-const inlined = (id: string, name: string, block: unknown): Given | undefined => {
+/** A log inside the page, with what is derived from it, and the planes of that. */
+const inlined = (id: string, name: string, block: unknown, planes: Origin | undefined): Given | undefined => {
+  const origin = taken(id, name);
+  return origin && { origin, supply: block === undefined ? { kind: "none" } : { kind: "embedded", block, planes } };
+};
+
+/** Bytes inside the page. A second copy of them is of no use, so they are taken out. */
+const taken = (id: string, name = id): Origin | undefined => {
   const element = document.getElementById(id);
   const words = element?.textContent?.trim();
   if (!element || !words) return undefined;
   element.remove();
-  return { origin: { kind: "base64", name: element.dataset.name ?? name, text: words }, supply: block === undefined ? { kind: "none" } : { kind: "embedded", block } };
+  return { kind: "base64", name: element.dataset.name ?? name, text: words };
 };
 
 /** A block of JSON in the page; nothing if there is none, or none that can be read. */

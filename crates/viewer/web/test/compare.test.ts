@@ -2,7 +2,7 @@ import { readFileSync } from "node:fs";
 
 import { expect, test } from "vitest";
 
-import { aligned, firstDivergence } from "../src/model/compare";
+import { aligned, factPairs, firstDivergence } from "../src/model/compare";
 import { Run } from "../src/model/run";
 import type { Moment } from "../src/model/types";
 import { LogReader } from "../src/read/log";
@@ -41,4 +41,12 @@ test("a run does not part from itself, and runs of other lengths part at the lat
   const [a, b] = [await read("paper-decisions-5.mcap"), await read("paper-0.1.0.mcap")];
   expect(firstDivergence(a, a)).toBeUndefined();
   expect(firstDivergence(a, b)).toBeLessThanOrEqual(b.moments.length);
+});
+
+test("what a file does not tell is another thing than what it says is empty", async () => {
+  const [old, now] = [await read("paper-0.1.0.mcap"), await read("paper-decisions-5.mcap")];
+  const pairs = factPairs(old, now);
+  const untold = pairs.filter(({ a, b }) => a === undefined && b !== undefined).map(({ key }) => key);
+  expect(untold).toEqual(Object.keys(now.facts.run).filter((key) => !(key in old.facts.run)));
+  expect(untold.length).toBeGreaterThan(0);
 });

@@ -110,7 +110,7 @@ describe("a page with the derived parts inside", () => {
   };
   const planes = Object.keys(logged).map((name) => ({ name, label: name, unit: "", group: "interest" }));
   const block = { index: { planes, experts: ["dem", "texture"] }, families: { 3: { plans: [{ cells: [[1, 2], [1, 3]] }] } } };
-  const source = derivedFrom({ kind: "embedded", block }, (name) => Promise.resolve(logged[name]));
+  const source = derivedFrom({ kind: "embedded", block }, { at: (name) => Promise.resolve(logged[name]) });
   const signal = new AbortController().signal;
 
   test("reads a cell's masses and credits from the planes", async () => {
@@ -128,10 +128,13 @@ describe("a page with the derived parts inside", () => {
   });
 
   test("and one with none has nothing, and says so", async () => {
-    const none = derivedFrom({ kind: "none" }, () => Promise.resolve(undefined));
+    const none = derivedFrom({ kind: "none" }, undefined);
     expect(await none.index()).toEqual({ unavailable: "" });
-    const noPlanes = derivedFrom({ kind: "embedded", block: { prices: {} } }, () => Promise.resolve(undefined));
-    expect(await noPlanes.index()).toEqual({ planes: [], experts: [], inLog: true });
+    const noPlanes = derivedFrom({ kind: "embedded", block }, undefined);
+    expect(await noPlanes.index()).toEqual({ planes: [], experts: ["dem", "texture"], inside: true });
+    expect(await noPlanes.family(3)).toHaveLength(1);
+    const another = derivedFrom({ kind: "embedded", block: { index: { unavailable: "decisions of version 4" } } }, undefined);
+    expect(await another.index()).toEqual({ unavailable: "decisions of version 4" });
     expect(await none.cell(0, { row: 0, col: 0 }, signal)).toBeUndefined();
     expect(await none.family(0)).toBeUndefined();
   });

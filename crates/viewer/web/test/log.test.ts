@@ -109,6 +109,23 @@ test("a flipped bit in a chunk is told, and what lies before it is shown", async
   expect(run.moments.length).toBeLessThan(5);
 });
 
+test("readings that could not be read once are there when they can be", async () => {
+  const bytes = sample("paper-decisions-5.mcap");
+  const source = new BlobSource("sample", new Blob([new Uint8Array(bytes)]));
+  let broken = false;
+  const reader = new LogReader(
+    { name: "sample", size: () => source.size(), read: (offset, length) => (broken ? Promise.reject(new Error("the line is down")) : source.read(offset, length)) },
+    () => undefined,
+  );
+  await reader.read();
+  const before = await reader.plane("read:temperature", 1);
+  broken = true;
+  await expect(reader.plane("read:temperature", 4)).rejects.toThrow("the line is down");
+  broken = false;
+  expect(await reader.plane("read:temperature", 1)).toEqual(before);
+  expect((await reader.plane("read:temperature", 4))?.values.some((value, i) => value !== before?.values[i])).toBe(true);
+});
+
 test("what is no log is said to be none", async () => {
   const { run } = await read(new TextEncoder().encode("a letter from home"));
   expect(run.wholeness).toMatchObject({ kind: "damaged", at: 0 });

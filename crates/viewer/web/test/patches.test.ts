@@ -41,7 +41,7 @@ const grid = (schema: Schema, west: number, south: number, cols: number, values:
 };
 
 /** A log of 2 rows and 3 columns with these maps, each for a decision. */
-const logOf = async (maps: { topic: string; decision: number; data: Uint8Array }[], schema: Schema): Promise<Uint8Array> => {
+const logOf = async (maps: { topic: string; decision: number; data: Uint8Array }[], schema: Schema, timeOf = (place: number): bigint => BigInt(place)): Promise<Uint8Array> => {
   const parts: Uint8Array[] = [];
   let length = 0n;
   const writable = {
@@ -56,11 +56,10 @@ const logOf = async (maps: { topic: string; decision: number; data: Uint8Array }
   await writer.addMetadata({ name: "wisdom.run", metadata: new Map(Object.entries({ grid_rows: "2", grid_cols: "3", grid_spacing_m: "1" })) });
   const schemaId = await writer.registerSchema(schema);
   const channels = new Map<string, number>();
-  let time = 0n;
-  for (const { topic, decision, data } of maps) {
+  for (const [i, { topic, decision, data }] of maps.entries()) {
     const channelId = channels.get(topic) ?? (await writer.registerChannel({ topic, schemaId, messageEncoding: "protobuf", metadata: new Map() }));
     channels.set(topic, channelId);
-    time += 1n;
+    const time = timeOf(i + 1);
     await writer.addMessage({ channelId, sequence: decision, logTime: time, publishTime: time, data });
   }
   await writer.addMetadata({ name: "wisdom.end", metadata: new Map([["status", "waiting"]]) });
@@ -95,4 +94,23 @@ test("patches are laid over the last whole map, whichever decision is asked for 
   expect(end?.wholeness).toEqual({ kind: "whole" });
   // What is not known is listed, not hidden.
   expect(end?.topics.filter(({ known }) => !known).map(({ topic, count }) => [topic, count])).toEqual([["/somebody/else", 1]]);
+});
+
+test("maps of one time are told apart by their topic", async () => {
+  const schema = await gridSchema();
+  const bytes = await logOf(
+    [
+      { topic: "/map/interest", decision: 0, data: grid(schema, 0, 0, 3, [1, 1, 1, 1, 1, 1]) },
+      { topic: "/map/ignorance", decision: 0, data: grid(schema, 0, 0, 3, [2, 2, 2, 2, 2, 2]) },
+      { topic: "/map/interest/patch", decision: 1, data: grid(schema, 0, 0, 1, [3]) },
+    ],
+    schema,
+    () => 7n,
+  );
+  const reader = new LogReader(new BlobSource("made", new Blob([new Uint8Array(bytes)])), () => undefined);
+  await reader.read();
+  const first = async (id: string, decision: number): Promise<number[]> => [...((await reader.plane(id, decision))?.values ?? [])].slice(3);
+  expect(await first("map:ignorance", 0)).toEqual([2, 2, 2]);
+  expect(await first("map:interest", 0)).toEqual([1, 1, 1]);
+  expect(await first("map:interest", 1)).toEqual([3, 1, 1]);
 });

@@ -3,19 +3,23 @@
 import { at } from "../model/plane";
 import type { Plane } from "../model/plane";
 import type { Cell } from "../model/types";
+import type { Origin } from "../read/protocol";
 import { cellOf, familyOf, indexOf, planeOf, pricesOf } from "./answers";
 import { member, text } from "./json";
 import type { CellValues, Derived, ExpertAt, Index, Masses, Prices } from "./types";
 
 /** What the page was given to find derived values with. */
-export type Supply = { kind: "served"; folder: string } | { kind: "embedded"; block: unknown } | { kind: "none" };
+export type Supply = { kind: "served"; folder: string } | { kind: "embedded"; block: unknown; planes?: Origin } | { kind: "none" };
 
-/** Gets a logged plane by its name. */
-type Logged = (name: string, decision: number) => Promise<Plane | undefined>;
+/** Has planes by their names. */
+export interface PlaneSource {
+  at(name: string, decision: number): Promise<Plane | undefined>;
+}
 
-export const derivedFrom = (supply: Supply, logged: Logged): Derived => {
+/** What is inside the page has its planes apart from the rest. */
+export const derivedFrom = (supply: Supply, inside: PlaneSource | undefined): Derived => {
   if (supply.kind === "served") return new Served(supply.folder);
-  return new Embedded(supply.kind === "embedded" ? supply.block : undefined, logged);
+  return new Embedded(supply.kind === "embedded" ? supply.block : undefined, inside);
 };
 
 /** Asks once, and again only after a failure. */
@@ -70,20 +74,22 @@ class Served implements Derived {
   }
 }
 
-/** Planes lie in the log as maps; all else in a block of the page, which may leave any part out. */
+/** Planes lie in a log of their own; all else in a block of the page, which may leave any part out. */
 class Embedded implements Derived {
   constructor(
     private readonly block: unknown,
-    private readonly logged: Logged,
+    private readonly inside: PlaneSource | undefined,
   ) {}
 
   index(): Promise<Index> {
+    if (this.block === undefined) return Promise.resolve({ unavailable: "" });
+    const index = indexOf(member(this.block, "index"));
     // A page may have ways and prices inside, and no planes.
-    return Promise.resolve(this.block === undefined ? { unavailable: "" } : { ...indexOf(member(this.block, "index")), inLog: true });
+    return Promise.resolve("unavailable" in index ? index : { ...index, planes: this.inside ? index.planes : [], inside: true });
   }
 
   plane(name: string, decision: number): Promise<Plane | undefined> {
-    return this.logged(name, decision);
+    return this.inside?.at(name, decision) ?? Promise.resolve(undefined);
   }
 
   async cell(decision: number, cell: Cell): Promise<CellValues | undefined> {

@@ -15,8 +15,8 @@ export interface DerivedPlane {
   classes: PlaneClass[];
 }
 
-/** What there is, and whether its planes lie in the log as maps; or why there is none. */
-export type Index = { planes: DerivedPlane[]; experts: string[]; inLog?: boolean } | { unavailable: string };
+/** What there is, and whether it is inside the page already; or why there is none. */
+export type Index = { planes: DerivedPlane[]; experts: string[]; inside?: boolean } | { unavailable: string };
 
 export interface Masses {
   interesting: number;

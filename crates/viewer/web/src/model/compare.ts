@@ -44,12 +44,16 @@ export const aligned = (a: Moment, b: Moment, grid: GridSpec, radiusM: number): 
 export const choseAlike = (a: Moment, b: Moment, grid: GridSpec, radiusM: number): boolean =>
   a.act.name === b.act.name && aligned(a, b, grid, radiusM).every((pair) => pair.a && pair.b);
 
+/** How far apart goals of one place may be; on different ground no two places are one. */
+export const placeRadiusM = (a: Run, b: Run): number => (sameGround(a.facts.grid, b.facts.grid) ? a.facts.identityRadiusM : -1);
+
 /** Place of the first decision that the runs took otherwise, by number; none if they are alike as far as both go. */
 export const firstDivergence = (a: Run, b: Run): number | undefined => {
+  const radiusM = placeRadiusM(a, b);
   const most = Math.min(a.moments.length, b.moments.length);
   for (let i = 0; i < most; i++) {
     const [one, other] = [a.moments[i], b.moments[i]];
-    if (one && other && !choseAlike(one, other, a.facts.grid, a.facts.identityRadiusM)) return i;
+    if (one && other && !choseAlike(one, other, a.facts.grid, radiusM)) return i;
   }
   return a.moments.length === b.moments.length ? undefined : most;
 };
@@ -58,8 +62,8 @@ export const firstDivergence = (a: Run, b: Run): number | undefined => {
 export const sameGround = (a: GridSpec, b: GridSpec): boolean =>
   a.rows === b.rows && a.cols === b.cols && a.spacingM === b.spacingM && a.westM === b.westM && a.northM === b.northM;
 
-/** What the files say of the runs, key by key, in the order of the first. */
-export const factPairs = (a: Run, b: Run): { key: string; a: string; b: string }[] =>
+/** What the files say of the runs, key by key, in the order of the first; nothing where a file does not tell. */
+export const factPairs = (a: Run, b: Run): { key: string; a: string | undefined; b: string | undefined }[] =>
   [...new Set([...Object.keys(a.facts.run), ...Object.keys(b.facts.run)])]
     .filter((key) => !key.startsWith("end."))
-    .map((key) => ({ key, a: a.facts.run[key] ?? "", b: b.facts.run[key] ?? "" }));
+    .map((key) => ({ key, a: a.facts.run[key], b: b.facts.run[key] }));

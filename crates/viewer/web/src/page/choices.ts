@@ -40,8 +40,8 @@ export const choices = (logged: readonly PlaneName[], index: Index | undefined):
   const planes = index && "planes" in index ? index.planes : [];
   const derived = new Map(planes.map((plane) => [plane.name, plane]));
   const inLog = new Set(logged.map(({ id }) => id));
-  // By itself a log has the elevation as it was first known; what a report puts in goes on changing.
-  const first = index && "planes" in index && index.inLog ? undefined : "map:elevation";
+  // A log has the elevation as it was first known; what is derived goes on changing.
+  const first = "map:elevation";
   const own = logged.map((one) => ofLog(one, derived.get(one.id.slice(one.id.indexOf(":") + 1)), one.id === first));
   const more = planes
     .filter(({ name }) => !inLog.has(`map:${name}`) || first === `map:${name}`)

@@ -7,6 +7,7 @@ import { figurePng, figureSvg } from "../ui/figure";
 import { clock } from "../ui/format";
 import type { GoalTable } from "../ui/goals";
 import type { Ground } from "./ground";
+import { apart } from "./side";
 import type { Sides } from "./side";
 
 /** Pixels of a picture to one of the page. */
@@ -27,11 +28,11 @@ export const figureOf = (view: View, sides: Sides, ground: Ground): SVGSVGElemen
     title: `${run.facts.run.mission ?? run.facts.name}, decision ${moment.number} at ${clock(moment.timeS)}: ${legend?.title ?? "no map"}`,
     source: b ? `A: ${run.facts.name}; B: ${b.facts.name}, decision ${other?.number ?? 0} at ${clock(other?.timeS ?? 0)}` : run.facts.name,
     panels,
-    viewport,
     height: flat.height,
     metresPerPixel: run.facts.grid.spacingM / viewport.scale,
     legend,
     divide: panels[1]?.x,
+    apart: apart(sides),
   });
 };
 

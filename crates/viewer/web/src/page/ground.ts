@@ -2,20 +2,24 @@
 
 import { difference, differing } from "../model/plane";
 import type { Plane } from "../model/plane";
+import { DERIVED } from "../planes";
 import type { Aspect, Store } from "../state";
 import { h } from "../ui/dom";
 import { plain } from "../ui/format";
 import { Legend } from "../ui/legend";
 import type { LegendWords } from "../ui/legend";
 import { MapView } from "../view/map";
-import type { MapHandlers, MapScene, MapSide } from "../view/map";
+import type { Beside, MapHandlers, MapScene, MapSide } from "../view/map";
 import type { Scale } from "../view/paint";
 import { SolidView } from "../view/solid";
 import type { SolidScene } from "../view/solid";
 import { aspectTitle, className, classesShown, scaleOf } from "./choices";
 import type { Choice } from "./choices";
+import { cautions, whyLacking, whyNone } from "./lacking";
 import type { Layers } from "./layers";
+import { apart } from "./side";
 import type { Side, Sides } from "./side";
+import { Turns } from "./turns";
 
 /** Work that takes no longer goes without saying. */
 const LATE_MS = 300;
@@ -35,6 +39,8 @@ export class Ground {
   private told = "";
   /** What is said while a map is being worked out. */
   private waiting = "";
+  private late: number | undefined;
+  private readonly turns = new Turns();
 
   constructor(
     private readonly store: Store,
@@ -60,21 +66,37 @@ export class Ground {
   /** Gets the planes of the layer, and draws them. */
   async show(): Promise<void> {
     const { a, b } = this.sides;
+    const { view } = this.store;
+    if (!a?.run?.moment(view.index)) return;
+    this.wait();
+    this.draw();
+    const alike = (): boolean => this.sides.a === a && this.sides.b === b;
+    const kind = view.layer.startsWith(DERIVED) ? "derived" : "log";
+    await this.turns.take(`${kind}/${a.serial}/${b?.serial}`, async () => (await this.fetch(a, b)) || !alike());
+  }
+
+  /** What takes longer than it may without a word gets one. */
+  private wait(): void {
+    const say = (): void => {
+      this.waiting = `${this.layers.choice?.label ?? "the map"}: being worked out …`;
+    };
+    if (this.waiting) say();
+    this.late ??= window.setTimeout(() => {
+      say();
+      this.draw();
+    }, LATE_MS);
+  }
+
+  /** Says whether what came is still what is looked at. */
+  private async fetch(a: Side, b: Side | undefined): Promise<boolean> {
     const { choice } = this.layers;
     const { view } = this.store;
-    const moment = a?.run?.moment(view.index);
-    if (!a || !moment) return;
-    this.draw();
+    const moment = a.run?.moment(view.index);
+    if (!moment) return true;
     const state = (): string => `${view.layer}/${view.aspect}/${view.index}/${this.sides.b?.index}`;
-    const was = state();
+    const [was, indexA, indexB] = [state(), a.index, b?.index];
     // One may have moved on meanwhile.
     const current = (): boolean => this.sides.a === a && this.sides.b === b && state() === was;
-    this.waiting = "";
-    const late = setTimeout(() => {
-      if (!current()) return;
-      this.waiting = `${choice?.label ?? "the map"}: being worked out …`;
-      this.explain();
-    }, LATE_MS);
     let [planes, failed]: [[Plane | undefined, Plane | undefined], string] = [[undefined, undefined], ""];
     try {
       const lights = [a.relief ? undefined : a.light(moment.number), b?.relief ? undefined : b?.light(b.run?.moment(b.index)?.number ?? 0)];
@@ -82,23 +104,24 @@ export class Ground {
       await Promise.all(lights);
     } catch (error) {
       failed = error instanceof Error ? error.message : String(error);
-    } finally {
-      clearTimeout(late);
     }
-    if (!current()) return;
-    a.plane = planes[0];
-    if (b) b.plane = planes[1];
+    if (!current()) return false;
+    [a.plane, a.planeIndex] = [planes[0], indexA];
+    if (b) [b.plane, b.planeIndex] = [planes[1], indexB];
     if (choice) {
       this.scale = scaleOf(choice, view.aspect, planes, view.colours);
       this.shown = { choice, aspect: view.aspect, odd: planes.some((plane) => plane && hasOdd(plane, this.scale)) };
     }
-    this.missing = planes[0] ? "" : failed ? `This map cannot be had: ${failed}` : this.why();
+    this.missing = planes[0] ? "" : failed ? `This map cannot be had: ${failed}` : whyNone(view, this.sides);
     this.waiting = "";
+    window.clearTimeout(this.late);
+    this.late = undefined;
     this.draw();
     document.documentElement.dataset.drawn = String(moment.number);
     // What is likely to be wanted next; what must be worked out first waits until it is asked for.
     const next = a.run?.moment(view.index + 1);
     if (next && /^(map|read|doubt):/.test(view.layer)) a.planes.at(view.layer, next.number).catch(() => undefined);
+    return true;
   }
 
   draw(): void {
@@ -110,8 +133,9 @@ export class Ground {
     const side = this.side(a);
     const other = b && this.side(b);
     if (!side) return;
-    const wipe = view.split === "halves" ? ("halves" as const) : view.wipe;
-    const scene: MapScene = { ...side, scale: this.scale, grown: a.run.outcomes.size + (b?.run?.outcomes.size ?? 0), probe: view.probe, ...(other ? { other: { ...other, wipe } } : {}) };
+    const wipe: Beside = apart(this.sides) ? "apart" : view.split === "halves" ? "halves" : view.wipe;
+    const grown = a.run.outcomes.size + (b?.run?.outcomes.size ?? 0);
+    const scene: MapScene = { ...side, scale: this.scale, grown, probe: view.probe, probed: view.probed, stale: this.waiting !== "", ...(other ? { other: { ...other, wipe } } : {}) };
     this.scene = scene;
     if (this.solid) this.drawSolid(scene);
     else this.map.show(scene);
@@ -125,7 +149,7 @@ export class Ground {
   /** Where the cell asked about lies across the map, if it is in sight. */
   get probeX(): number | undefined {
     const { probe } = this.store.view;
-    return probe && !this.solid ? this.map.viewport.place(probe).x : undefined;
+    return probe && !this.solid && !apart(this.sides) ? this.map.viewport.place(probe).x : undefined;
   }
 
   /** The flat map as it is now, in sight or not. */
@@ -146,10 +170,10 @@ export class Ground {
 
   /** What the legend says of the map, flat or standing up; nothing if there is none. */
   words(solid: boolean): LegendWords | undefined {
-    const { a } = this.sides;
+    const { a, b } = this.sides;
     const { view } = this.store;
     const { shown } = this;
-    if (!a?.plane || !shown) return undefined;
+    if (!a || !shown || (!a.plane && !b?.plane)) return undefined;
     const { choice, aspect, odd } = shown;
     const heights = solid && this.solidView ? [`heights × ${plain(this.solidView.heightStretch)}`] : [];
     const light = view.shaded && a.relief ? `relief × ${a.relief.stretch}, light from the north-west` : "no relief";
@@ -161,6 +185,7 @@ export class Ground {
       classes: classesShown(choice, aspect).map(className),
       odd,
       notes: [[...heights, light].join(", "), ...(alternatives && unknown ? [unknown] : [])],
+      cautions: cautions(view, this.sides, solid, this.missing, this.waiting !== ""),
       ways: ["driven", "next leg", "plan", ...(alternatives ? (["alternative"] as const) : [])],
     };
   }
@@ -171,19 +196,18 @@ export class Ground {
     const classes = (this.layers.choice?.classes.length ?? 0) > 0;
     const layer = (side: Side | undefined): Promise<Plane | undefined> | undefined => side?.layer(view.layer, view.aspect === "change", classes);
     // The second run may lack what the first has.
-    const [one, other] = await Promise.all([layer(a), layer(b)?.catch(() => undefined)]);
+    let failed = "";
+    const [one, other] = await Promise.all([
+      layer(a),
+      layer(b)?.catch((error: unknown) => {
+        failed = error instanceof Error ? error.message : String(error);
+        return undefined;
+      }),
+    ]);
+    if (b) b.lacks = other ? "" : failed || whyLacking(view, b);
     if (view.aspect !== "between") return [one, other];
-    const both = one && other && sameGrid(a, b) ? (classes ? differing(one, other) : difference(one, other)) : undefined;
+    const both = one && other && !apart(this.sides) ? (classes ? differing(one, other) : difference(one, other)) : undefined;
     return [both, both];
-  }
-
-  private why(): string {
-    const { a, b } = this.sides;
-    const { view } = this.store;
-    if (view.aspect === "change" && view.index === 0) return "There is no decision before this one.";
-    if (view.aspect === "between" && a && !sameGrid(a, b)) return "The grids of the two runs differ: their maps cannot be compared.";
-    if (view.aspect === "between" && a) return "Not both runs hold this map at these decisions.";
-    return "There is no such map at this decision.";
   }
 
   private side(side: Side): MapSide | undefined {
@@ -192,9 +216,11 @@ export class Ground {
     if (!run) return undefined;
     if (view.alternatives || view.option !== undefined) side.meetFamily(() => this.draw());
     const first = side === this.sides.a;
+    // A layer comes a moment after its decision. Until then, or until that is said, goals stay with the layer that they are of.
+    const held = this.waiting ? index : (side.planeIndex ?? index);
     return {
       run,
-      index,
+      index: held,
       plane,
       relief: view.shaded ? relief : undefined,
       goal: first ? view.goal : undefined,
@@ -208,9 +234,12 @@ export class Ground {
     const { a, b } = this.sides;
     if (!a?.relief) return;
     const { other } = scene;
-    // A second run of which no heights are known stands on the ground of the first.
-    const beside = other && { ...other, elevation: (b?.relief ?? a.relief).plane };
-    const solid: SolidScene = { ...scene, elevation: a.relief.plane, heights: this.store.view.heights, other: beside };
+    // A second run of which no heights are known stands on the ground of the first, unless its own is another.
+    const heights = b?.relief ?? (other?.wipe === "apart" ? undefined : a.relief);
+    // Of a difference there is but one ground.
+    const alone = this.store.view.aspect === "between" && other?.wipe !== "apart";
+    const beside = other && heights && !alone ? { ...other, plane: scene.stale ? undefined : other.plane, elevation: heights.plane } : undefined;
+    const solid: SolidScene = { ...scene, plane: scene.stale ? undefined : scene.plane, elevation: a.relief.plane, heights: this.store.view.heights, other: beside };
     this.solidMade()?.show(solid);
   }
 
@@ -238,8 +267,3 @@ export class Ground {
 
 /** Whether a plane of classes holds what is none of them. */
 const hasOdd = ({ values }: Plane, { classes }: Scale): boolean => classes !== undefined && values.some((value) => !Number.isNaN(value) && !classes.includes(value));
-
-const sameGrid = (a: Side, b: Side | undefined): boolean => {
-  const [one, other] = [a.run?.facts.grid, b?.run?.facts.grid];
-  return one !== undefined && other !== undefined && JSON.stringify(one) === JSON.stringify(other);
-};

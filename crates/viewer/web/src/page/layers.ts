@@ -4,6 +4,7 @@ import type { Aspect, Store, View } from "../state";
 import { h } from "../ui/dom";
 import { choices, GROUPS, title } from "./choices";
 import type { Choice } from "./choices";
+import { apart } from "./side";
 import type { Sides } from "./side";
 
 const COLOURS: readonly View["colours"][] = ["viridis", "cividis", "batlow"];
@@ -51,16 +52,17 @@ export class Layers {
     // What is derived may be known before the first map was read; that one comes first all the same.
     if (!a?.run || (a.run.planes.length === 0 && a.run.wholeness.kind === "reading")) return;
     const all = choices(a.run.planes, a.derivable);
-    const offered = JSON.stringify([all, b !== undefined, a.derivable]);
+    const both = b !== undefined && !apart(this.sides);
+    const offered = JSON.stringify([all, both, a.derivable]);
     if (offered === this.offered) return;
     this.offered = offered;
     this.all = all;
     const { view } = this.store;
     if (!this.choice) this.store.set({ layer: all[0]?.id ?? "" });
-    if (!b && view.aspect === "between") this.store.set({ aspect: "value" });
+    if (!both && view.aspect === "between") this.store.set({ aspect: "value" });
     const groups = GROUPS.map((group) => ({ group, of: all.filter((one) => one.group === group) })).filter(({ of }) => of.length > 0);
     this.element.replaceChildren(...groups.map(({ group, of }) => h("optgroup", { label: group }, of.map((one) => h("option", { value: one.id }, title(one))))));
-    this.aspects.replaceChildren(...ASPECTS.filter(([aspect]) => b || aspect !== "between").map(([aspect, label]) => h("option", { value: aspect }, label)));
+    this.aspects.replaceChildren(...ASPECTS.filter(([aspect]) => both || aspect !== "between").map(([aspect, label]) => h("option", { value: aspect }, label)));
     const why = a.derivable && "unavailable" in a.derivable ? a.derivable.unavailable : undefined;
     this.note.hidden = why === undefined;
     this.note.textContent = why ? `no derived layers: ${why}` : WHERE;

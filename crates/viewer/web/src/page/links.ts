@@ -3,12 +3,14 @@
 import type { Store } from "../state";
 import { Address, written } from "./address";
 import type { Layers } from "./layers";
+import { apart } from "./side";
 import type { Sides } from "./side";
 
 export class Links {
   private readonly address = new Address(() => this.follow());
   /** Whether the address said what is shown beside the map. */
   tab = false;
+  private followed = false;
 
   constructor(
     private readonly store: Store,
@@ -26,7 +28,10 @@ export class Links {
     const { index, view } = this.address.found(a.run, this.layers.choices.map(({ id }) => id), ended);
     if (view) {
       this.tab = view.tab !== "goals";
-      this.store.set(b ? view : { ...view, aspect: view.aspect === "between" ? "value" : view.aspect });
+      // An address that names no page leaves that of a second log, which may have been read to its end before.
+      const tab = !this.followed && !this.tab && b?.run && this.store.view.tab === "other" ? "other" : view.tab;
+      this.followed = true;
+      this.store.set(b && !apart(this.sides) ? { ...view, tab } : { ...view, tab, aspect: view.aspect === "between" ? "value" : view.aspect });
     }
     if (index !== undefined) this.seek(index);
   }

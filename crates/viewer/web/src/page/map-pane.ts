@@ -6,6 +6,7 @@ import type { Ground } from "./ground";
 import type { Layers } from "./layers";
 import { Modes } from "./modes";
 import type { Readout } from "./readout";
+import { apart } from "./side";
 import type { Sides } from "./side";
 
 const HEIGHTS: readonly (number | undefined)[] = [undefined, 0.5, 1, 2, 3, 5, 10];
@@ -22,6 +23,7 @@ export class MapPane {
   private readonly heights = h("select", { "aria-label": "Heights stretched by", title: "Heights stretched by (h)", hidden: true }, HEIGHTS.map((by) => h("option", { value: by ?? "" }, by === undefined ? "heights: auto" : `heights × ${by}`)));
   /** The line between two runs in three dimensions; the flat map draws its own. */
   private readonly divide = h("div", { class: "divide", hidden: true }, h("b", {}, "A"), h("b", {}, "B"));
+  private apart = false;
 
   constructor(
     private readonly store: Store,
@@ -67,19 +69,23 @@ export class MapPane {
     const two = this.sides.b?.run !== undefined;
     const pressed: [HTMLElement, boolean][] = [[this.relief, view.shaded], [this.alternatives, view.alternatives], [this.solid, view.solid]];
     for (const [button, on] of pressed) button.setAttribute("aria-pressed", String(on));
-    this.modes.show(two);
-    this.element.dataset.split = two ? view.split : "none";
+    this.apart = apart(this.sides);
+    const halves = this.apart || view.split === "halves";
+    this.modes.show(two, this.apart);
+    this.element.dataset.split = !two ? "none" : halves ? "halves" : "wipe";
     this.element.dataset.readout = this.inTheWay(view) ? "right" : "left";
     this.element.toggleAttribute("data-solid", this.ground.solid);
     this.heights.hidden = !this.ground.solid;
     this.heights.value = String(view.heights ?? "");
-    this.divide.hidden = !two || !this.ground.solid;
-    this.divide.style.left = `${100 * (view.split === "halves" ? 0.5 : view.wipe)}%`;
+    // Of a difference there is but one ground.
+    this.divide.hidden = !two || !this.ground.solid || (view.aspect === "between" && !this.apart);
+    this.divide.style.left = `${100 * (halves ? 0.5 : view.wipe)}%`;
+    this.divide.lastElementChild?.replaceChildren(this.apart ? "B, other ground" : "B");
   }
 
   /** Whether values on the left would hide what they are of. */
   private inTheWay(view: View): boolean {
-    if (this.sides.b?.run && view.split === "halves") return view.probed === "a";
+    if (this.sides.b?.run && (this.apart || view.split === "halves")) return view.probed === "a";
     return (this.ground.probeX ?? Number.POSITIVE_INFINITY) < COLUMN_PX;
   }
 
@@ -98,7 +104,7 @@ export class MapPane {
     const { divide } = this;
     divide.addEventListener("pointerdown", (event) => divide.setPointerCapture(event.pointerId));
     divide.addEventListener("pointermove", (event) => {
-      if (!divide.hasPointerCapture(event.pointerId)) return;
+      if (this.apart || !divide.hasPointerCapture(event.pointerId)) return;
       const { left, width } = this.element.getBoundingClientRect();
       this.store.set({ split: "wipe", wipe: Math.min(1, Math.max(0, (event.clientX - left) / width)) });
     });

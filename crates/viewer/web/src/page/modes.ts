@@ -21,6 +21,7 @@ export const modeOf = ({ split, aspect }: Pick<View, "split" | "aspect">): Mode 
 export class Modes {
   readonly element = h("div", { class: "modes", role: "group", "aria-label": "How the two runs are shown", hidden: true });
   private readonly buttons: HTMLButtonElement[];
+  private apart = false;
 
   constructor(private readonly store: Store) {
     this.buttons = MODES.map(({ mode, title, set }) => h("button", { type: "button", title, onclick: () => store.set(set(store.view)) }, mode));
@@ -29,14 +30,22 @@ export class Modes {
 
   /** The next of the three. */
   next(): void {
+    if (this.apart) return;
     const at = MODES.findIndex(({ mode }) => mode === modeOf(this.store.view));
     const next = MODES[(at + 1) % MODES.length];
     if (next) this.store.set(next.set(this.store.view));
   }
 
-  show(two: boolean): void {
+  /** Runs on different ground stand side by side and no other way: a cell of one is none of the other. */
+  show(two: boolean, apart: boolean): void {
     this.element.hidden = !two;
-    const now = modeOf(this.store.view);
-    this.buttons.forEach((button, i) => button.setAttribute("aria-pressed", String(MODES[i]?.mode === now)));
+    this.apart = apart;
+    const now = apart ? "side by side" : modeOf(this.store.view);
+    this.buttons.forEach((button, i) => {
+      const one = MODES[i];
+      button.setAttribute("aria-pressed", String(one?.mode === now));
+      button.disabled = apart && one?.mode !== now;
+      button.title = button.disabled ? "The runs stand on different ground" : (one?.title ?? "");
+    });
   }
 }

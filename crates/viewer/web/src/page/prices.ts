@@ -28,7 +28,7 @@ export class PriceTags {
     const index = a?.derivable;
     if (index && "unavailable" in index) made.append(h("p", { class: "sub" }, index.unavailable ? `no prices: ${index.unavailable}` : "what it would have taken: wisdom view LOG, or wisdom explain LOG"));
     // What is inside the page need not be waited for.
-    else if (index?.inLog) this.ask(made, goal, decision);
+    else if (index?.inside) this.ask(made, goal, decision);
     else made.append(h("button", { type: "button", onclick: () => this.ask(made, goal, decision) }, "What would it have taken?"));
     return made;
   }

@@ -10,6 +10,7 @@ import { goalName, place, plain, share } from "../ui/format";
 import { className, title } from "./choices";
 import type { Choice } from "./choices";
 import type { Layers } from "./layers";
+import { apart } from "./side";
 import type { Side, Sides } from "./side";
 
 /** A pointer that moves on sooner was only passing. */
@@ -17,6 +18,12 @@ const PAUSE_MS = 70;
 
 /** Goals told of at one cell: the last that were spoken of. */
 const MOST_GOALS = 4;
+
+/** All of a log that what is told of a cell hangs on: more becomes known while it is read. */
+const state = (side: Side | undefined): unknown[] => {
+  const { run, index, derivable } = side ?? {};
+  return [side?.serial, run?.wholeness.kind, index === undefined ? undefined : run?.moment(index)?.number, derivable && ("unavailable" in derivable ? derivable.unavailable : derivable.planes.length)];
+};
 
 const written = (choice: Choice, value: number | undefined): string => {
   if (value === undefined) return "unknown";
@@ -41,9 +48,9 @@ export class Readout {
     const side = view.probed === "b" && b?.run ? b : a;
     const { probe } = view;
     const moment = side?.run?.moment(side.index);
-    const state = probe && moment ? JSON.stringify([side === a, b?.index, moment.number, probe, view.layer, this.layers.choices.length]) : "";
-    if (state === this.shown) return;
-    this.shown = state;
+    const shown = probe && moment ? JSON.stringify([view.probed, state(a), state(b), probe, view.layer, this.layers.choices.length]) : "";
+    if (shown === this.shown) return;
+    this.shown = shown;
     window.clearTimeout(this.pause);
     this.asked?.abort();
     if (!side || !moment || !probe) this.element.replaceChildren();
@@ -60,13 +67,7 @@ export class Readout {
       const place = values.get(choice.id);
       if (place) place.textContent = text;
     };
-    for (const choice of choices.filter(({ id }) => !id.startsWith(DERIVED))) {
-      // Each as it comes: some layers are put together from many looks first.
-      side.planes.at(choice.id, decision).then(
-        (plane) => tell(choice, written(choice, plane && at(plane, cell))),
-        () => tell(choice, "not readable"),
-      );
-    }
+    const logged = choices.filter(({ id }) => !id.startsWith(DERIVED));
     const derived = choices.filter(({ id }) => id.startsWith(DERIVED));
     const come = (found: CellValues | undefined): void => {
       for (const choice of derived) tell(choice, found ? written(choice, found.planes.get(choice.name)) : "not there");
@@ -74,13 +75,22 @@ export class Readout {
     };
     const asked = new AbortController();
     this.asked = asked;
+    const both = this.compared(cell, layer);
     this.pause = window.setTimeout(() => {
+      both?.meet(asked.signal);
+      for (const choice of logged) {
+        // Each as it comes: some layers are put together from many looks first.
+        side.planes.at(choice.id, decision).then(
+          (plane) => tell(choice, written(choice, plane && at(plane, cell))),
+          () => tell(choice, "not readable"),
+        );
+      }
       side.derived.cell(decision, cell, asked.signal).then(
         (found) => !asked.signal.aborted && come(found),
         (error: Error) => !asked.signal.aborted && (come(undefined), experts.replaceChildren(h("p", { class: "sub" }, error.message))),
       );
     }, PAUSE_MS);
-    this.element.replaceChildren(this.head(side, cell), ...this.compared(cell, layer), pairs(choices, values, layer), layerTable(choices, values, layer), experts, ...this.goals(side, cell));
+    this.element.replaceChildren(this.head(side, cell), both?.line ?? "", pairs(choices, values, layer), layerTable(choices, values, layer), experts, ...this.goals(side, cell));
   }
 
   private head(side: Side, cell: Cell): HTMLElement {
@@ -90,24 +100,28 @@ export class Readout {
     return h("p", {}, h("b", {}, `${which}cell ${place(cell)}`), ` ${east.toFixed(1)} m E, ${north.toFixed(1)} m N`);
   }
 
-  /** The layer shown, of both runs. */
-  private compared(cell: Cell, layer: string): HTMLElement[] {
+  /** The layer shown, of both runs: a line for it, and how it is met. */
+  private compared(cell: Cell, layer: string): { line: HTMLElement; meet(signal: AbortSignal): void } | undefined {
     const { a, b } = this.sides;
     const choice = this.layers.choices.find(({ id }) => id === layer);
-    if (!a || !b || !choice) return [];
+    // On other ground the cell is another place.
+    if (!a || !b || !choice || apart(this.sides)) return undefined;
     const line = h("p", { class: "both" }, "…");
     const value = async (side: Side): Promise<number | undefined> => {
       const plane = await side.layer(layer, false, false);
       return plane && at(plane, cell);
     };
-    Promise.all([value(a), value(b)]).then(
-      ([one, other]) => {
-        const less = one !== undefined && other !== undefined && choice.classes.length === 0 ? `, A − B ${plain(one - other)}` : "";
-        line.textContent = `${choice.name}: A ${written(choice, one)}, B ${written(choice, other)}${less}`;
-      },
-      () => (line.textContent = `${choice.name}: not of both runs`),
-    );
-    return [line];
+    const told = ([one, other]: readonly (number | undefined)[]): string => {
+      const less = one !== undefined && other !== undefined && choice.classes.length === 0 ? `, A − B ${plain(one - other)}` : "";
+      return `${choice.name}: A ${written(choice, one)}, B ${written(choice, other)}${less}`;
+    };
+    const meet = (signal: AbortSignal): void => {
+      const say = (words: string): void => {
+        if (!signal.aborted) line.textContent = words;
+      };
+      Promise.all([value(a), value(b)]).then((values) => say(told(values)), () => say(`${choice.name}: not of both runs`));
+    };
+    return { line, meet };
   }
 
   private goals({ run, index }: Side, cell: Cell): HTMLElement[] {

@@ -1,8 +1,10 @@
 // A log that is open: its reader, its maps, what is derived from it, and the run as far as it was read.
 
+import { PlanesInside } from "../derived/inside";
 import { derivedFrom } from "../derived/source";
 import type { Derived, Index } from "../derived/types";
 import type { Given } from "../given";
+import { sameGround } from "../model/compare";
 import { Run } from "../model/run";
 import type { Plane } from "../model/plane";
 import type { Cell } from "../model/types";
@@ -18,7 +20,14 @@ export interface Sides {
   b: Side | undefined;
 }
 
+/** Whether two runs stand on different ground, so that no cell of one is a cell of the other. */
+export const apart = ({ a, b }: Sides): boolean => a?.run !== undefined && b?.run !== undefined && !sameGround(a.run.facts.grid, b.run.facts.grid);
+
+let opened = 0;
+
 export class Side {
+  /** Unlike that of any other log that was open before. */
+  readonly serial = ++opened;
   readonly client: LogClient;
   readonly derived: Derived;
   readonly planes: Planes;
@@ -27,12 +36,18 @@ export class Side {
   index = 0;
   /** The layer shown, and the light on it. */
   plane: Plane | undefined;
+  /** Place of the decision that the layer shown is of: it comes later than the decision itself. */
+  planeIndex: number | undefined;
+  /** Why there is no such layer of this run, if there is none. */
+  lacks = "";
   relief: Relief | undefined;
   /** What can be derived, once it is known. */
   derivable: Index | undefined;
+  private readonly inside: PlanesInside | undefined;
   /** The whole ways of a family's plans; none if they are nowhere to be had. */
   private family: { decision: number; ways: readonly (readonly Cell[])[] | undefined } | undefined;
   private familyAsked = -1;
+  private familyUnderWay = false;
   private lighting: Promise<Relief | undefined> | undefined;
   private closed = false;
 
@@ -42,7 +57,9 @@ export class Side {
       this.take(tell);
       told(this, tell);
     });
-    this.derived = derivedFrom(given.supply, (name, decision) => this.planes.at(`map:${name}`, decision));
+    const { supply } = given;
+    this.inside = supply.kind === "embedded" && supply.planes ? new PlanesInside(supply.planes) : undefined;
+    this.derived = derivedFrom(supply, this.inside);
     this.planes = new Planes(this.client, this.derived);
     this.client.open(given.origin);
     const learn = (index: Index): void => {
@@ -60,6 +77,7 @@ export class Side {
       else this.relief = found;
       return found;
     });
+    this.lighting.catch(() => (this.lighting = undefined));
     return this.lighting;
   }
 
@@ -78,11 +96,13 @@ export class Side {
   /** Gets the ways of the family at the decision shown, and says when they have come. */
   meetFamily(come: () => void): void {
     const decision = this.run?.moment(this.index)?.number;
-    if (decision === undefined || this.familyAsked === decision) return;
+    // One at a time: of decisions that were stepped past nobody wants to know.
+    if (decision === undefined || this.familyAsked === decision || this.familyUnderWay) return;
     this.familyAsked = decision;
+    this.familyUnderWay = true;
     const keep = (ways: readonly (readonly Cell[])[] | undefined): void => {
-      // One may have moved on meanwhile.
-      if (this.familyAsked !== decision || this.closed) return;
+      this.familyUnderWay = false;
+      if (this.closed) return;
       this.family = { decision, ways };
       come();
     };
@@ -99,6 +119,7 @@ export class Side {
   close(): void {
     this.closed = true;
     this.client.close();
+    this.inside?.close();
   }
 
   private take(tell: Tell): void {

@@ -14,18 +14,26 @@ import type { Decoder } from "./decode";
 const KEPT_PLANES = 24;
 
 /** Where a Grid message lies. */
-interface GridPlace {
-  decision: number;
-  piece: Piece;
-  time: bigint;
+interface GridPlace extends Place {
   patch: boolean;
 }
 
-interface LookPlace {
+/** Where a message lies: a time alone does not name it, because several may be of one time. */
+interface Place {
   decision: number;
   piece: Piece;
+  channel: number;
   time: bigint;
+  sequence: number;
 }
+
+type LookPlace = Place;
+
+const placeOf = (decision: number, { channelId, logTime, sequence }: Message, piece: Piece): Place => ({ decision, piece, channel: channelId, time: logTime, sequence });
+
+/** The message of a place, among those of its piece. */
+const messageAt = (messages: readonly Message[], { channel, time, sequence }: Place): Message | undefined =>
+  messages.find((one) => one.channelId === channel && one.logTime === time && one.sequence === sequence);
 
 /** Looks that lie in one chunk, together. */
 const byPiece = (looks: readonly LookPlace[]): LookPlace[][] => {
@@ -69,13 +77,13 @@ export class Layers {
     const name = topic.slice("/map/".length, patch ? -"/patch".length : undefined);
     const places = this.grids.get(name) ?? [];
     this.grids.set(name, places);
-    places.push({ decision: one.sequence, piece, time: one.logTime, patch });
+    places.push({ ...placeOf(one.sequence, one, piece), patch });
   }
 
   /** Notes a look and the layers that were read in it. */
   noteLook(names: readonly string[], decision: number, one: Message, piece: Piece): void {
     for (const name of names) this.layerNames.add(name);
-    if (names.length > 0) this.lookPlaces.push({ decision, piece, time: one.logTime });
+    if (names.length > 0) this.lookPlaces.push(placeOf(decision, one, piece));
   }
 
   /** A plane as it was at a decision; `undefined` if the log does not hold it. */
@@ -115,11 +123,11 @@ export class Layers {
     let from = end;
     let plane: Plane | undefined;
     for (; from >= 0; from--) {
-      plane = this.planes.get(`${name}@${places[from]?.time}`);
+      plane = this.planes.get(`${name}@${from}`);
       if (plane || !places[from]?.patch) break;
     }
     if (from < 0) return undefined;
-    const key = `${name}@${places[end]?.time}`;
+    const key = `${name}@${end}`;
     for (const place of places.slice(plane ? from + 1 : from, end + 1)) {
       const found = await this.gridAt(place);
       plane = place.patch && plane ? patched(plane, found) : found;
@@ -135,7 +143,7 @@ export class Layers {
   }
 
   private async gridAt(place: GridPlace): Promise<Plane> {
-    const found = (await this.container.messages(place.piece)).find((one) => one.logTime === place.time);
+    const found = messageAt(await this.container.messages(place.piece), place);
     const channel = found && this.container.channels.get(found.channelId);
     if (!found || !channel || !this.grid) throw new Error(`the map of decision ${place.decision} is not where it was`);
     const fields = this.decoder(channel).decode(found.data);
@@ -162,11 +170,17 @@ export class Layers {
     if (this.known.upTo > decision) this.known = { layers: new Map(), upTo: -1 };
     const { known } = this;
     const unread = this.lookPlaces.filter((look) => look.decision > known.upTo && look.decision <= decision);
-    known.upTo = decision;
-    for (const places of byPiece(unread)) {
-      const messages = places[0] ? await this.container.messages(places[0].piece) : [];
-      for (const { time } of places) this.learn(messages.find(({ logTime }) => logTime === time));
+    try {
+      for (const places of byPiece(unread)) {
+        const messages = places[0] ? await this.container.messages(places[0].piece) : [];
+        for (const place of places) this.learn(messageAt(messages, place));
+      }
+    } catch (error) {
+      // Of the looks some were taken in and some not: begun anew when next asked.
+      this.known = { layers: new Map(), upTo: -1 };
+      throw error;
     }
+    known.upTo = decision;
     return known.layers.get(layer);
   }
 

@@ -6,7 +6,6 @@ import type { Panel } from "../view/map";
 import { filled, MARK_PX, markPath, markRadius, markText, stateColour } from "../view/marks";
 import { ROVER_PATH } from "../view/shapes";
 import type { Mark, Shape, Way } from "../view/shapes";
-import type { Viewport } from "../view/viewport";
 import { colourTable, css } from "../view/colour";
 import { s } from "./dom";
 import { classColours, tickLabels, WAY_COLOURS } from "./legend";
@@ -18,12 +17,13 @@ export interface Figure {
   /** What it was made of. */
   source: string;
   panels: readonly Panel[];
-  viewport: Viewport;
   height: number;
   metresPerPixel: number;
   legend: LegendWords | undefined;
   /** Where a line divides two runs. */
   divide: number | undefined;
+  /** Whether they stand on other ground. */
+  apart: boolean;
 }
 
 type Place = (cell: Cell) => { x: number; y: number };
@@ -38,12 +38,13 @@ const BARS_M = [0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000] as co
 const LONGEST_BAR_PX = 150;
 
 export const figureSvg = (figure: Figure): SVGSVGElement => {
-  const { panels, viewport, height } = figure;
+  const { panels, height } = figure;
   const last = panels.at(-1);
   const width = last ? last.x + last.width : 0;
   // Only what shows ground, with a little air about it.
   const [left, right] = extent(figure, width);
-  const [top, bottom] = [Math.max(0, viewport.y - 8), Math.min(height, viewport.y + (panels[0]?.side.run.facts.grid.rows ?? 0) * viewport.scale + 8)];
+  const top = Math.max(0, Math.min(...panels.map(({ viewport }) => viewport.y)) - 8);
+  const bottom = Math.min(height, Math.max(...panels.map(({ viewport, side }) => viewport.y + side.run.facts.grid.rows * viewport.scale)) + 8);
   const across = Math.max(right - left, RAMP_PX + LONGEST_BAR_PX + 60);
   const down = bottom - top;
   const whole = { width: across, height: TITLE_PX + down + LEGEND_PX };
@@ -55,8 +56,8 @@ export const figureSvg = (figure: Figure): SVGSVGElement => {
     s("text", { x: 8, y: 36, "font-size": 11, fill: "#6d7279" }, figure.source),
   );
   const map = s("g", { transform: `translate(${n(-left)} ${n(TITLE_PX - top)})` });
-  panels.forEach((panel, i) => map.append(...drawPanel(panel, viewport, `part-${i}`, { top, down, from: Math.max(left, panel.x), to: Math.min(right, panel.x + panel.width) })));
-  if (figure.divide !== undefined) map.append(...divider(figure.divide, top, down));
+  panels.forEach((panel, i) => map.append(...drawPanel(panel, `part-${i}`, { top, down, from: Math.max(left, panel.x), to: Math.min(right, panel.x + panel.width) })));
+  if (figure.divide !== undefined) map.append(...divider(figure.divide, top, down, figure.apart));
   svg.append(map, legendOf(figure, across, TITLE_PX + down));
   return svg;
 };
@@ -80,15 +81,15 @@ export const figurePng = async (svg: SVGSVGElement, ratio: number): Promise<Blob
 /** Two decimals are finer than any screen. */
 const n = (value: number): string => String(Math.round(value * 100) / 100);
 
-const extent = ({ panels, viewport }: Figure, width: number): [number, number] => {
+const extent = ({ panels }: Figure, width: number): [number, number] => {
   const [first, last] = [panels[0], panels.at(-1)];
   if (!first || !last) return [0, width];
-  const reach = viewport.x + last.dx + last.side.run.facts.grid.cols * viewport.scale;
-  return [Math.max(0, viewport.x + first.dx - 8), Math.min(width, reach + 8)];
+  const reach = last.viewport.x + last.dx + last.side.run.facts.grid.cols * last.viewport.scale;
+  return [Math.max(0, first.viewport.x + first.dx - 8), Math.min(width, reach + 8)];
 };
 
-const drawPanel = (panel: Panel, viewport: Viewport, id: string, part: { top: number; down: number; from: number; to: number }): SVGElement[] => {
-  const { side, dx, picture, shapes } = panel;
+const drawPanel = (panel: Panel, id: string, part: { top: number; down: number; from: number; to: number }): SVGElement[] => {
+  const { side, dx, picture, shapes, viewport } = panel;
   const { grid } = side.run.facts;
   const { scale, x, y } = viewport;
   const place: Place = (cell) => viewport.place(cell);
@@ -151,16 +152,16 @@ const mark = (shape: Mark, x: number, y: number): SVGElement => {
 const haloed = (words: string, x: number, y: number): SVGElement =>
   s("text", { x: n(x), y: n(y), "text-anchor": "middle", "font-weight": 600, fill: "#111", stroke: "#fff", "stroke-width": 4, "stroke-linejoin": "round", "paint-order": "stroke" }, words);
 
-const divider = (x: number, top: number, down: number): SVGElement[] => [
+const divider = (x: number, top: number, down: number, apart: boolean): SVGElement[] => [
   ...[["#fff", 4], ["#111", 1.5]].map(([stroke, width]) => s("line", { x1: n(x), x2: n(x), y1: n(top), y2: n(top + down), stroke, "stroke-width": width })),
   haloed("A", x - 14, top + 18),
-  haloed("B", x + 14, top + 18),
+  haloed(apart ? "B, other ground" : "B", x + (apart ? 58 : 14), top + 18),
 ];
 
 /** The legend on the left, the scale bar on the right. */
 const legendOf = ({ legend, metresPerPixel }: Figure, width: number, top: number): SVGElement => {
   const group = s("g", { transform: `translate(8 ${n(top + 18)})`, fill: "#1a1c1f" });
-  if (legend) group.append(s("text", { "font-weight": 600 }, legend.title), ...(legend.scale.classes ? classes(legend, width) : ramp(legend)), ...ways(legend), s("text", { y: 68, "font-size": 10.5, fill: "#6d7279" }, legend.notes.join("; ")));
+  if (legend) group.append(s("text", { "font-weight": 600 }, legend.title), ...(legend.scale.classes ? classes(legend, width) : ramp(legend)), ...ways(legend), s("text", { y: 68, "font-size": 10.5, fill: "#6d7279" }, [...legend.notes, ...legend.cautions].join("; ")));
   const bar = [...BARS_M].reverse().find((metres) => metres / metresPerPixel <= LONGEST_BAR_PX) ?? BARS_M[0];
   const length = bar / metresPerPixel;
   const from = width - 24 - length;

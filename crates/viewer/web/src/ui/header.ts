@@ -67,13 +67,14 @@ export class Header {
     const parts = [
       h("b", { class: "mission" }, facts.mission ?? name),
       h("span", { class: `pill ${whole}` }, state(run)),
+      // The files before what they say: of two runs it must be seen which they are.
+      fact("file", `${name}, ${bytes(size)}`),
+      fact("B", other?.facts.name),
       fact("rule", facts.rule),
       fact("policy", facts.policy),
       fact("prize", facts.prize),
       fact("seed", facts.seed),
       fact("wisdom", facts.version),
-      fact("file", `${name}, ${bytes(size)}`),
-      fact("B", other?.facts.name),
       // Last, because it may be long.
       fact("overrides", facts.overrides?.replaceAll("\n", ", ")),
     ];

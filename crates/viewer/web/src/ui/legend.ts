@@ -15,6 +15,8 @@ export interface LegendWords {
   odd: boolean;
   /** How heights and light were drawn, and what is missing. */
   notes: readonly string[];
+  /** What must be known not to be misled; said wherever there is a legend. */
+  cautions: readonly string[];
   ways: readonly Way["what"][];
 }
 
@@ -41,6 +43,7 @@ export class Legend {
       h("p", {}, h("b", {}, words.title)),
       ...(words.scale.classes ? [classList(words)] : ramp(words.scale)),
       ...words.notes.map((note) => h("p", { class: "sub" }, note)),
+      ...words.cautions.map((caution) => h("p", { class: "caution" }, caution)),
       h("p", { class: "ways sub" }, words.ways.map(wayKey)),
     );
   }

@@ -2,13 +2,35 @@
 
 import { h, legible } from "./dom";
 
-export class Banner {
-  readonly element = h("div", { class: "banner", role: "status" });
+/** What is to be said of one log. */
+interface Said {
+  kind: string;
+  text: string;
+}
 
-  say(kind: string, text: string): void {
-    this.element.className = `banner ${kind}`;
-    this.element.textContent = legible(text);
-    this.element.hidden = text === "";
+/** A line for each log of which there is something to say. */
+export class Banner {
+  readonly element = h("div", { class: "banner", role: "status", hidden: true });
+  private readonly said: Record<"a" | "b", Said> = { a: { kind: "", text: "" }, b: { kind: "", text: "" } };
+  private two = false;
+
+  say(of: "a" | "b", kind: string, text: string): void {
+    this.said[of] = { kind, text };
+    this.show();
+  }
+
+  /** Whether there are two logs, so that a line must say which of them it is about. */
+  beside(two: boolean): void {
+    this.two = two;
+    if (!two) this.said.b = { kind: "", text: "" };
+    this.show();
+  }
+
+  private show(): void {
+    const { a, b } = this.said;
+    const lines = [{ ...a, name: this.two ? "A: " : "" }, { ...b, name: "B: " }].filter(({ text }) => text !== "");
+    this.element.replaceChildren(...lines.map(({ kind, name, text }) => h("p", { class: kind }, legible(`${name}${text}`))));
+    this.element.hidden = lines.length === 0;
   }
 }
 

@@ -1,6 +1,6 @@
 // The second run beside the first: how the runs differ, where they part, and both decisions term by term.
 
-import { aligned, choseAlike, factPairs, firstDivergence, sameGround } from "../model/compare";
+import { aligned, choseAlike, factPairs, firstDivergence, placeRadiusM, sameGround } from "../model/compare";
 import type { Taken } from "../model/divergence";
 import type { Pair } from "../model/pairs";
 import type { Run } from "../model/run";
@@ -50,13 +50,14 @@ export class OtherPage {
     const comparable = sameGround(grid, b.run.facts.grid);
     const first = this.firstDivergence(a.run, b.run);
     const name = (what: string): string => fileName(a.run, a.moment, `${what}-against-d${b.moment.number}`, "csv");
-    const pairs = aligned(a.moment, b.moment, grid, identityRadiusM);
+    const radiusM = placeRadiusM(a.run, b.run);
+    const pairs = aligned(a.moment, b.moment, grid, radiusM);
     this.terms.show(a, b);
     this.page.replaceChildren(
       h(
         "p",
         { class: "tools" },
-        h("b", { class: "verdict" }, choseAlike(a.moment, b.moment, grid, identityRadiusM) ? "Chosen alike." : "Chosen otherwise."),
+        h("b", { class: "verdict" }, choseAlike(a.moment, b.moment, grid, radiusM) ? "Chosen alike." : "Chosen otherwise."),
         first === undefined
           ? h("span", {}, "The runs choose alike throughout.")
           : h("button", { type: "button", title: "To the first divergence (f)", onclick: () => this.handlers.part(first) }, `First divergence: decision ${a.run.moment(first)?.number ?? first}`),
@@ -79,7 +80,7 @@ export class OtherPage {
     const differ = pairs.filter((one) => one.a !== one.b);
     const equal = pairs.filter((one) => one.a === one.b);
     const row = ({ key, a: left, b: right }: (typeof pairs)[number]): HTMLElement =>
-      h("tr", { class: left === right ? "" : "differs" }, h("th", { scope: "row" }, key.replaceAll("_", " ")), h("td", {}, left || "none"), h("td", {}, right || "none"));
+      h("tr", { class: left === right ? "" : "differs" }, h("th", { scope: "row" }, key.replaceAll("_", " ")), h("td", {}, told(left)), h("td", {}, told(right)));
     const list = h("tbody", {}, (this.allFacts ? [...differ, ...equal] : differ).map(row));
     const fold = h(
       "button",
@@ -106,6 +107,9 @@ export class OtherPage {
     ];
   }
 }
+
+/** Older files do not tell all that newer ones do, which is another thing than to say that there is none. */
+const told = (value: string | undefined): string => (value === undefined ? "not told" : value || "none");
 
 const sequences = (pairs: readonly Pair<Goal>[]): HTMLElement => {
   const side = (goal: Goal | undefined): string => (goal ? `${goalName(goal.id)} ${place(goal.target)}, prize ${share(goal.prize)}` : "·");

@@ -127,4 +127,5 @@ export const checked = ({ way, chunks, chunkCrcs, attachments, attachmentsWrong,
     `CRC of the data section: ${SAID[data]}; of the summary: ${SAID[summary]}.`,
     chunks === 0 ? "No chunk was read." : `${chunks} chunk${chunks === 1 ? "" : "s"} read, ${chunkCrcs === chunks ? "each against its own CRC" : `${chunkCrcs} of them with a CRC of its own`}.`,
     `${attachments} attachment${attachments === 1 ? "" : "s"} read${attachmentsWrong > 0 ? `, ${attachmentsWrong} left out because of a wrong CRC` : ""}.`,
+    "The chain of decisions is not checked by this page: wisdom verify LOG does.",
   ].join(" ");

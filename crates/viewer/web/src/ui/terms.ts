@@ -1,6 +1,7 @@
 // Two decisions term by term: what differs is shown, what is equal is folded away with its count, and what differs
 // first is marked.
 
+import { placeRadiusM } from "../model/compare";
 import { divergence } from "../model/divergence";
 import type { Quantity, Row, Section, Taken } from "../model/divergence";
 import { h } from "./dom";
@@ -58,7 +59,7 @@ const titleOf = ({ title, goal }: Section): string => {
 };
 
 export const sectionsOf = (a: Taken, b: Taken): Section[] =>
-  divergence(a, b, a.run.facts.grid, a.run.facts.identityRadiusM, { trigger, reason, goal: goalName });
+  divergence(a, b, a.run.facts.grid, placeRadiusM(a.run, b.run), { trigger, reason, goal: goalName });
 
 export class TermTable {
   /** Parts that were opened or shut by hand, by their titles. */

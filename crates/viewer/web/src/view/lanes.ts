@@ -42,6 +42,8 @@ export interface Colours {
 
 export const LEFT = 88;
 export const RIGHT = 118;
+/** Room of a label of the axis. */
+const LABEL_PX = 30;
 const AXIS_Y = 15;
 const ROW = 18;
 /** Where the key begins, below the buttons. */
@@ -97,7 +99,8 @@ export const drawTimeline = (ink: Ink, scene: TimelineScene, lanes: readonly Lan
   });
   for (const { x, words } of scale.ticks()) {
     ink.line(Math.round(x) + 0.5, AXIS_Y + 8, Math.round(x) + 0.5, height, { stroke: colours.rule });
-    ink.text(words, x, AXIS_Y, { size: 11, fill: colours.faint, anchor: "middle" });
+    // The last one keeps clear of what stands on the right.
+    ink.text(words, x, AXIS_Y, { size: 11, fill: colours.faint, anchor: x > width - RIGHT - LABEL_PX / 2 ? "end" : "middle" });
   }
   label(scene.axis === "time" ? "time, h" : "number", AXIS_Y);
   const runs = [{ run: scene.run, index: scene.index }, ...(scene.other ? [scene.other] : [])];

@@ -20,14 +20,20 @@ export interface MapSide extends Marked {
   relief: Relief | undefined;
 }
 
+/** How the second run stands to the first: right of a wipe at this share of the width, in a half of its own, or there on other ground. */
+export type Beside = number | "halves" | "apart";
+
 /** What is drawn. */
 export interface MapScene extends MapSide {
   scale: Scale;
   /** How far the runs were read: while they are, more comes without any of the rest changing. */
   grown: number;
   probe: Cell | undefined;
-  /** Another run: right of the wipe, which stands at this share of the width, or in a half of its own. */
-  other?: MapSide & { wipe: number | "halves" };
+  /** Of which run that cell is, where the other has none such. */
+  probed: "a" | "b";
+  /** Whether the layer is not that of the decision, because that one is still being worked out. */
+  stale: boolean;
+  other?: MapSide & { wipe: Beside };
 }
 
 export interface MapHandlers {
@@ -44,6 +50,8 @@ export interface Panel {
   x: number;
   width: number;
   dx: number;
+  /** Where the cells of its grid lie before it is moved. */
+  viewport: Viewport;
   shapes: Shape[];
   /** A pixel a cell. */
   picture: HTMLCanvasElement | undefined;
@@ -61,10 +69,17 @@ interface Picture {
 const REACH_PX = 14;
 /** Room that legend and values take on the left, and buttons on the right; of two halves, above and below. */
 const KEPT: Keep = { left: 280, right: 30, top: 0, bottom: 0 };
-const KEPT_OF_HALF: Keep = { left: 0, right: 0, top: 60, bottom: 56 };
+/** The column is narrower where there is less room; the style sheet has the same limit. */
+const NARROW_PX = 700;
+const KEPT_IF_NARROW: Keep = { ...KEPT, left: 214 };
+/** How much of a layer of another decision is left in sight. */
+const STALE_ALPHA = 0.3;
+const KEPT_OF_HALF: Keep = { left: 0, right: 0, top: 60, bottom: 72 };
 
 export class MapView {
   readonly viewport = new Viewport();
+  /** That of the second run, where it is on other ground. */
+  private readonly second = new Viewport();
   private readonly surface: FlatSurface;
   private readonly pictures: Record<"a" | "b", Picture> = { a: { canvas: document.createElement("canvas") }, b: { canvas: document.createElement("canvas") } };
   private scene: MapScene | undefined;
@@ -89,7 +104,7 @@ export class MapView {
     const was = this.scene;
     this.scene = scene;
     const moved = !was || !alike(was, scene);
-    if (was?.run !== scene.run || (was.other?.wipe === "halves") !== (scene.other?.wipe === "halves")) this.fit();
+    if (was?.run !== scene.run || inHalves(was) !== inHalves(scene) || (this.apart && was.other?.run !== scene.other?.run)) this.fit();
     if (moved) this.redraw();
     else this.surface.redraw();
   }
@@ -100,7 +115,9 @@ export class MapView {
     if (!grid || grid.rows === 0) return;
     const { width, height } = this.surface.size;
     if (this.halves) this.viewport.fit(grid, width / 2, height, KEPT_OF_HALF);
-    else this.viewport.fit(grid, width, height, KEPT);
+    else this.viewport.fit(grid, width, height, width < NARROW_PX ? KEPT_IF_NARROW : KEPT);
+    const other = this.scene?.other?.run.facts.grid;
+    if (other && other.rows > 0) this.second.fit(other, width / 2, height, KEPT_OF_HALF);
     this.redraw();
   }
 
@@ -108,12 +125,12 @@ export class MapView {
   zoom(factor: number, px?: number, py?: number): void {
     const { width, height } = this.surface.size;
     const middle = this.halves ? width / 4 : width / 2;
-    this.viewport.zoom(factor, px === undefined ? middle : px - this.movedAt(px), py ?? height / 2);
+    for (const viewport of [this.viewport, this.second]) viewport.zoom(factor, px === undefined ? middle : px - this.movedAt(px), py ?? height / 2);
     this.redraw();
   }
 
   pan(dx: number, dy: number): void {
-    this.viewport.pan(dx, dy);
+    for (const viewport of [this.viewport, this.second]) viewport.pan(dx, dy);
     this.redraw();
   }
 
@@ -134,14 +151,16 @@ export class MapView {
 
   /** The cell under a pixel, and of which run. */
   asked(px: number, py: number): { cell: Cell | undefined; of: "a" | "b" } {
-    const grid = this.scene?.run.facts.grid;
-    return { cell: grid && this.viewport.cellAt(px - this.movedAt(px), py, grid), of: this.sideAt(px) };
+    const of = this.sideAt(px);
+    const second = this.apart && of === "b";
+    const grid = (second ? this.scene?.other : this.scene)?.run.facts.grid;
+    return { cell: grid && (second ? this.second : this.viewport).cellAt(px - this.movedAt(px), py, grid), of };
   }
 
   /** The cell asked about, moved by keys; at first the rover's. */
   step(dx: number, dy: number): void {
     const { scene } = this;
-    const from = scene?.probe ?? scene?.run.moment(scene.index)?.pose;
+    const from = (this.apart && scene?.probed === "b" ? undefined : scene?.probe) ?? scene?.run.moment(scene.index)?.pose;
     if (!scene || !from) return;
     const { rows, cols } = scene.run.facts.grid;
     const within = (value: number, size: number): number => Math.min(size - 1, Math.max(0, value));
@@ -169,7 +188,7 @@ export class MapView {
     const { scene } = this;
     if (!scene) return [];
     const { width } = this.surface.size;
-    const panel = (side: MapSide, of: "a" | "b", x: number, to: number, dx: number): Panel => ({ side, of, x, width: to - x, dx, shapes: shapes(side), picture: this.picture(side, of, scene.scale) });
+    const panel = (side: MapSide, of: "a" | "b", x: number, to: number, dx: number): Panel => ({ side, of, x, width: to - x, dx, viewport: of === "b" && this.apart ? this.second : this.viewport, shapes: shapes(side), picture: this.picture(side, of, scene.scale) });
     if (!scene.other) return [panel(scene, "a", 0, width, 0)];
     const at = this.wipeX ?? width / 2;
     return [panel(scene, "a", 0, at, 0), panel(scene.other, "b", at, width, this.halves ? width / 2 : 0)];
@@ -181,7 +200,11 @@ export class MapView {
   }
 
   private get halves(): boolean {
-    return this.scene?.other?.wipe === "halves";
+    return inHalves(this.scene);
+  }
+
+  private get apart(): boolean {
+    return this.scene?.other?.wipe === "apart";
   }
 
   private sideAt(px: number): "a" | "b" {
@@ -211,14 +234,15 @@ export class MapView {
       whole(context, drawn);
     }
     const { probe } = scene;
-    if (probe) for (const panel of this.panels()) this.within(panel, size.height, () => this.crosshair(probe));
+    if (!probe) return;
+    for (const panel of this.panels()) if (!this.apart || panel.of === scene.probed) this.within(panel, size.height, () => this.crosshair(probe, panel.viewport));
   }
 
   private all(scene: MapScene, { width, height }: Size): void {
     for (const panel of this.panels()) {
       this.within(panel, height, () => {
         this.ground(panel);
-        drawShapes(this.surface.context, panel.shapes, (cell) => this.viewport.place(cell), panel.x - panel.dx, panel.x - panel.dx + panel.width, height);
+        drawShapes(this.surface.context, panel.shapes, (cell) => panel.viewport.place(cell), panel.x - panel.dx, panel.x - panel.dx + panel.width, height);
       });
       if (panel.of === "a") this.marks = panel.shapes.filter((shape) => shape.kind === "mark");
     }
@@ -251,7 +275,7 @@ export class MapView {
     context.strokeStyle = "#111";
     context.stroke();
     drawLabel(context, "A", x - 14, this.halves ? 58 : 14);
-    drawLabel(context, "B", x + 14, this.halves ? 58 : 14);
+    drawLabel(context, this.apart ? "B, other ground" : "B", x + (this.apart ? 58 : 14), this.halves ? 58 : 14);
     if (this.halves) return;
     context.beginPath();
     context.roundRect(x - 5, height / 2 - 18, 10, 36, 5);
@@ -262,9 +286,9 @@ export class MapView {
     context.stroke();
   }
 
-  private ground({ side, picture }: Panel): void {
+  private ground({ side, picture, viewport }: Panel): void {
     const { context } = this.surface;
-    const { scale, x, y } = this.viewport;
+    const { scale, x, y } = viewport;
     const { grid } = side.run.facts;
     context.fillStyle = token("--map-unknown");
     context.fillRect(x, y, grid.cols * scale, grid.rows * scale);
@@ -272,7 +296,9 @@ export class MapView {
     if (plane && picture) {
       // Cells are what was fused: they keep their edges when there is room to see them. Classes have nothing between.
       context.imageSmoothingEnabled = scale < 1 && !this.scene?.scale.classes;
+      context.globalAlpha = this.scene?.stale ? STALE_ALPHA : 1;
       context.drawImage(picture, x + plane.col * scale, y + plane.row * scale, plane.cols * scale, plane.rows * scale);
+      context.globalAlpha = 1;
     }
     context.strokeStyle = token("--map-edge");
     context.lineWidth = 1;
@@ -292,10 +318,10 @@ export class MapView {
     return picture.canvas;
   }
 
-  private crosshair(cell: Cell): void {
+  private crosshair(cell: Cell, viewport: Viewport): void {
     const { context } = this.surface;
-    const size = Math.max(this.viewport.scale, 5);
-    const { x, y } = this.viewport.place(cell);
+    const size = Math.max(viewport.scale, 5);
+    const { x, y } = viewport.place(cell);
     context.lineWidth = 3;
     context.strokeStyle = "rgb(255 255 255 / 0.9)";
     context.strokeRect(x - size / 2, y - size / 2, size, size);
@@ -305,10 +331,12 @@ export class MapView {
   }
 }
 
+const inHalves = (scene: MapScene | undefined): boolean => scene?.other !== undefined && typeof scene.other.wipe !== "number";
+
 const SIDE = ["run", "index", "plane", "relief", "goal", "option", "alternatives", "family"] as const;
 
 /** Whether two scenes differ in nothing but the cell asked about. */
 const alike = (one: MapScene, other: MapScene): boolean => {
   const sides = (a: MapSide | undefined, b: MapSide | undefined): boolean => a === b || (a !== undefined && b !== undefined && SIDE.every((key) => a[key] === b[key]));
-  return sides(one, other) && sides(one.other, other.other) && one.other?.wipe === other.other?.wipe && one.scale === other.scale && one.grown === other.grown;
+  return sides(one, other) && sides(one.other, other.other) && one.other?.wipe === other.other?.wipe && one.scale === other.scale && one.grown === other.grown && one.stale === other.stale;
 };

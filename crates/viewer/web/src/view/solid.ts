@@ -8,6 +8,7 @@ import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { range } from "../model/plane";
 import { Surface } from "./canvas";
 import type { Size } from "./canvas";
+import type { Beside } from "./map";
 import type { Scale } from "./paint";
 import { goodStretch, SolidGround } from "./solid-ground";
 import type { SolidSide } from "./solid-ground";
@@ -17,8 +18,10 @@ export interface SolidScene extends SolidSide {
   scale: Scale;
   /** By how much heights are stretched; as much as shows them well, if nothing is said. */
   heights: number | undefined;
-  other?: SolidSide & { wipe: number | "halves" };
+  other?: SolidSide & { wipe: Beside };
 }
+
+const inHalves = (scene: SolidScene | undefined): boolean => scene?.other !== undefined && typeof scene.other.wipe !== "number";
 
 /** From the south-west and a third of the way up, as the paper's Fig. 10 is seen. */
 const AZIMUTH = MathUtils.degToRad(217.5);
@@ -57,7 +60,7 @@ export class SolidView {
   /** The whole ground in sight. */
   fit(): void {
     const { width, height } = this.surface.size;
-    const aspect = (this.shown?.other?.wipe === "halves" ? width / 2 : width) / (height || 1) || 1;
+    const aspect = (inHalves(this.shown) ? width / 2 : width) / (height || 1) || 1;
     const distance = Math.max(DISTANCE, HALF_ACROSS / (HALF_FIELD * aspect));
     const level = Math.cos(ALTITUDE);
     const toward = new Vector3(Math.sin(AZIMUTH), 0, -Math.cos(AZIMUTH));
@@ -83,11 +86,11 @@ export class SolidView {
     const was = this.shown;
     this.shown = scene;
     this.stretch = scene.heights ?? goodStretch(scene);
-    // Both grounds by one measure, so that they can be held against each other.
+    // Both grounds by one measure, so that they can be held against each other; other ground has its own foot.
     const lowest = range(scene.elevation)?.min ?? 0;
     this.a.show(scene, scene.scale, this.stretch, lowest);
-    if (scene.other) this.b.show(scene.other, scene.scale, this.stretch, lowest);
-    if (was?.run !== scene.run || (was.other?.wipe === "halves") !== (scene.other?.wipe === "halves")) this.fit();
+    if (scene.other) this.b.show(scene.other, scene.scale, this.stretch, scene.other.wipe === "apart" ? (range(scene.other.elevation)?.min ?? 0) : lowest);
+    if (was?.run !== scene.run || inHalves(was) !== inHalves(scene)) this.fit();
     this.redraw();
   }
 
@@ -101,8 +104,8 @@ export class SolidView {
     renderer.setSize(width, height, false);
     const other = this.shown?.other;
     for (const sprite of [...this.a.labels, ...this.b.labels]) sizeLabel(sprite, height / (2 * HALF_FIELD));
-    const at = other ? (other.wipe === "halves" ? 0.5 : other.wipe) * width : width;
-    if (other?.wipe === "halves") {
+    const at = other ? (typeof other.wipe === "number" ? other.wipe : 0.5) * width : width;
+    if (inHalves(this.shown)) {
       this.part(this.a, 0, at, 0, at, height);
       this.part(this.b, at, width - at, at, width - at, height);
     } else {

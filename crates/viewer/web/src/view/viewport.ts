@@ -6,8 +6,8 @@ const LEAST_SCALE = 0.4;
 const MOST_SCALE = 80;
 const MARGIN_PX = 14;
 
-/** So little smaller is not seen. */
-const NO_SMALLER = 0.97;
+/** A grid that would be smaller yet is better shown large, even if it is covered in part. */
+const LEAST_SHARE = 0.5;
 
 /** Room to be kept clear, pixels. */
 export interface Keep {
@@ -31,10 +31,10 @@ export class Viewport {
   y = 0;
   fitted = true;
 
-  /** The whole grid in sight, clear of what lies on the map if that makes the grid no smaller. */
+  /** The whole grid in sight, clear of what lies on the map unless that makes the grid less than half as large. */
   fit(grid: GridSpec, width: number, height: number, keep: Keep): void {
     const fits = ({ left, right, top, bottom }: Keep): number => Math.min((width - left - right - 2 * MARGIN_PX) / grid.cols, (height - top - bottom - 2 * MARGIN_PX) / grid.rows);
-    const kept = fits(keep) >= fits(NOTHING) * NO_SMALLER ? keep : NOTHING;
+    const kept = fits(keep) >= fits(NOTHING) * LEAST_SHARE ? keep : NOTHING;
     const { left, right, top, bottom } = kept;
     this.scale = Math.max(LEAST_SCALE, fits(kept));
     this.x = left + (width - left - right - grid.cols * this.scale) / 2;
