@@ -354,12 +354,12 @@ export const ground = async ({ proves, shoot, drawn, server, one, two, sample })
     writeFileSync(file, inlined(sample, "paper.mcap"));
     const { tab } = await at(`${pathToFileURL(file).href}#d=1`);
     await ready(tab);
-    await tab.waitForFunction(() => document.querySelector(".derived-note").textContent === "derived layers: wisdom view LOG");
+    await tab.waitForFunction(() => document.querySelector(".derived-note").textContent.startsWith("derived layers: wisdom view LOG; "));
     assert.equal(await tab.locator('optgroup[label="credits"]').count(), 0);
     await tab.keyboard.press("w");
     await legend(tab, "ways of alternatives are not in the log");
     await tab.locator("tr.goal.deferred").first().click();
-    assert.match(await tab.locator(".price-tag").innerText(), /wisdom view LOG/);
+    assert.match(await tab.locator(".price-tag").innerText(), /wisdom view LOG.*wisdom report LOG --html FILE .*--prices/);
     await shoot(tab, "alone");
   });
 };

@@ -12,6 +12,7 @@ import { pathToFileURL } from "node:url";
 import { ground } from "./ground.mjs";
 import { browser, inlined, ready, serve, visit } from "./house.mjs";
 import { odd } from "./odd.mjs";
+import { page } from "./page.mjs";
 import { otherRun, sample as samplePath, view } from "./rust.mjs";
 import { runs } from "./runs.mjs";
 import { truth } from "./truth.mjs";
@@ -211,7 +212,7 @@ await proves("a file that was cut short and is dropped on the page shows what wa
   await tab.dispatchEvent("body", "drop", { dataTransfer: dropped });
   await ready(tab);
   const said = await tab.locator(".banner").innerText();
-  assert.match(said, /^Cut short at byte \d+ of \d+: .* decisions? recovered\.$/);
+  assert.match(said, /^Cut short at byte \d+ of \d+: .* decisions? recovered\. /);
   assert.match(await tab.locator(".pill").innerText(), /cut short/);
   await shoot(tab, "cut");
 });
@@ -273,6 +274,7 @@ await proves("it is dark where the system is", async (at) => {
 });
 
 await runs({ proves, shoot, drawn, one: served, two });
+await page({ proves, shoot, drawn, server, one: served, two, sample, log: samplePath(5) });
 await odd({ proves, shoot, bare: server.url, sample, timings });
 await ground({ proves, shoot, drawn, server, one: served, two, sample });
 

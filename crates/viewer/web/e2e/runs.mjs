@@ -131,10 +131,11 @@ export const runs = async ({ proves, shoot, drawn, one, two }) => {
     assert.equal(name, "paper-timeline.svg");
     const texts = [...bytes.toString().matchAll(/<text[^>]*>([^<]*)<\/text>/g)].map(([, text]) => text);
     for (const words of ["decisions A", "events A", "decisions B", "events B", "next", "in the plan", "deferred", "done", "dropped"]) assert.ok(texts.includes(words), words);
-    const lanes = texts.filter((text) => /^(G\d+|–) (G\d+|–)$/.test(text));
-    assert.ok(lanes.some((lane) => /^G\d+ G\d+$/.test(lane)), "some goals are of one place");
-    for (const side of [0, 1]) {
-      const named = lanes.map((lane) => lane.split(" ")[side]).filter((goal) => goal !== "–");
+    const lanes = texts.filter((text) => /^(A G\d+|B G\d+|A G\d+ · B G\d+)$/.test(text));
+    assert.ok(lanes.some((lane) => lane.includes(" · ")), "some goals are of one place");
+    for (const side of ["A", "B"]) {
+      const named = lanes.flatMap((lane) => lane.split(" · ")).filter((goal) => goal.startsWith(side));
+      assert.ok(named.length > 0, side);
       assert.equal(new Set(named).size, named.length, "no goal has two lanes");
     }
   });
@@ -293,7 +294,7 @@ export const runs = async ({ proves, shoot, drawn, one, two }) => {
       twice: [...document.querySelectorAll("[id]")].filter((one, _, all) => all.filter(({ id }) => id === one.id).length > 1 && !one.closest("svg")).length,
       ink: getComputedStyle(document.querySelector(".paper")).color,
     }));
-    assert.deepEqual(paper.heads, ["Goals", "Changes", "Plans", "Run", "A and B", "Timeline"]);
+    assert.deepEqual(paper.heads, ["Goals", "Changes", "Plans", "Run", "A and B", "Timeline", "Topics in the file"]);
     assert.equal(String(paper.goals), await tab.locator("#tab-goals .count").innerText());
     assert.ok(paper.figures >= 4, `${paper.figures} figures`);
     assert.equal(paper.twice, 0);

@@ -8,7 +8,10 @@ import { fileURLToPath } from "node:url";
 const built = ["debug", "release"].map((profile) => fileURLToPath(new URL(`../../../../target/${profile}/wisdom`, import.meta.url)));
 /** The command: WISDOM, or what Cargo built. */
 export const command = process.env.WISDOM ?? built.find(existsSync);
-if (!command) throw new Error("no wisdom command: build it (cargo build), or name it (WISDOM=path)");
+if (!command || !existsSync(command)) {
+  console.error(`no wisdom command${command ? ` at ${command}` : ""}: build it (cargo build), or name it (WISDOM=path)`);
+  process.exit(2);
+}
 
 export const sample = (version) => fileURLToPath(new URL(`../../../../logs/sample/paper-decisions-${version}.mcap`, import.meta.url));
 

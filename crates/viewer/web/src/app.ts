@@ -20,6 +20,7 @@ import { TimePane } from "./page/time-pane";
 import { applyTheme, keptTheme, nextTheme } from "./page/theme";
 import type { Given } from "./given";
 import type { Tell } from "./read/protocol";
+import { nextTurn } from "./model/changes";
 import { Store } from "./state";
 import type { Tab, View } from "./state";
 import { h } from "./ui/dom";
@@ -86,6 +87,7 @@ export class App {
   private readonly main: HTMLElement;
 
   constructor(root: HTMLElement) {
+    this.mapPane.dock = this.panel.element;
     this.main = h("main", { hidden: true }, this.mapPane.element, this.panel.element, this.time.element);
     root.append(this.header.element, this.banner.element, this.main, this.intake.welcome, this.hint.element, this.toast.element, this.intake.file);
     this.store.listen((changed) => this.update(changed));
@@ -187,6 +189,7 @@ export class App {
       document.documentElement.dataset.other = "true";
       this.timeSize();
       this.links.follow();
+      this.openWipe();
     }
     this.store.grown();
   }
@@ -239,9 +242,22 @@ export class App {
     else if (b) this.toast.say("The runs choose alike throughout.");
   }
 
+  private nextTurn(by: 1 | -1): void {
+    const next = nextTurn(this.sides.a?.run?.moments ?? [], this.store.view.index, by);
+    if (next !== undefined) this.player.seek(next);
+    else this.toast.say(`No goal is added or dropped ${by > 0 ? "after" : "before"} this decision.`);
+  }
+
   /** Two runs need more room for their lanes. */
   private timeSize(): void {
     this.main.classList.toggle("two", this.sides.b !== undefined);
+  }
+
+  /** The wipe begins where it hides neither rover nor next goal: once the map has its new size. */
+  private openWipe(): void {
+    const { view } = this.store;
+    const was = view.wipe;
+    requestAnimationFrame(() => requestAnimationFrame(() => view.wipe === was && this.store.set({ wipe: this.ground.freeWipe() })));
   }
 
   private swapTheme(): void {
@@ -261,6 +277,8 @@ export class App {
       ...Object.fromEntries(tabs),
       ArrowLeft: () => player.seek(view.index - 1),
       ArrowRight: () => player.seek(view.index + 1),
+      n: () => this.nextTurn(1),
+      N: () => this.nextTurn(-1),
       Home: () => player.seek(0),
       End: () => player.seek(Number.MAX_SAFE_INTEGER),
       " ": () => player.play(!view.playing),

@@ -5,6 +5,7 @@ import { differing } from "../src/model/plane";
 import type { Plane } from "../src/model/plane";
 import { aspectTitle, choices, className, classesShown, scaleOf } from "../src/page/choices";
 import type { Choice } from "../src/page/choices";
+import { beyondNote, tickLabels } from "../src/ui/legend";
 import { Viewport } from "../src/view/viewport";
 
 const logged = [
@@ -49,6 +50,7 @@ describe("the choice of layers", () => {
     expect(choice("doubt:texture").classes).toEqual([]);
     expect(className({ value: 4, name: "class 4" })).toBe("class 4");
     expect(className({ value: 4, name: "rock" })).toBe("4 rock");
+    expect(className({ value: 4, name: "4" })).toBe("class 4");
   });
 
   test("names what it shows, with its unit", () => {
@@ -101,5 +103,22 @@ describe("the viewport", () => {
     port.zoom(3, 300, 200);
     expect(port.cellAt(300, 200, grid)).toEqual(was);
     expect(port.cellAt(-1000, 0, grid)).toBeUndefined();
+  });
+});
+
+describe("credits beyond the ends of their scale", () => {
+  const credit = choice("derived:credit-dem");
+
+  test("are told of at the end that they lie beyond, and nowhere else", () => {
+    const scale = scaleOf(credit, "value", [plane(-0.3, 1.4517)], "viridis");
+    expect(tickLabels(scale)).toEqual(["-1.00", "-0.50", "0.00", "0.50", "≥ 1.00"]);
+    expect(beyondNote(scale)).toEqual(["beyond the ends: values from -0.3000 to 1.45"]);
+    expect(tickLabels(scaleOf(credit, "value", [plane(0.2), plane(-2)], "viridis"))[0]).toBe("≤ -1.00");
+  });
+
+  test("are not told of where there are none", () => {
+    const scale = scaleOf(credit, "value", [plane(-1, 1 + 1e-7)], "viridis");
+    expect(tickLabels(scale)).toEqual(["-1.00", "-0.50", "0.00", "0.50", "1.00"]);
+    expect(beyondNote(scale)).toEqual([]);
   });
 });

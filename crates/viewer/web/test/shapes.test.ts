@@ -38,9 +38,17 @@ describe("what is drawn over the ground", () => {
 
   test("has the next leg over the plan, goals over ways, and the rover on top", () => {
     const kinds = shapes(marked()).map((shape) => (shape.kind === "way" ? shape.what : shape.kind));
-    expect(kinds.slice(0, 3)).toEqual(["driven", "plan", "next leg"]);
+    expect(kinds.slice(0, 4)).toEqual(["driven", "pose to goal", "plan", "next leg"]);
     expect(kinds.at(-1)).toBe("rover");
     expect(kinds.indexOf("mark")).toBeGreaterThan(kinds.indexOf("next leg"));
+  });
+
+  test("joins each leg's end to the goal that it is for, where they are not one cell", () => {
+    const moment = run.moment(0);
+    const target = (goal: number): unknown => moment?.verdicts.find((verdict) => verdict.goal.id === goal)?.goal.target;
+    const apart = moment?.legs.filter(({ goal, pose }) => JSON.stringify(target(goal)) !== JSON.stringify(pose)) ?? [];
+    expect(apart.length).toBeGreaterThan(0);
+    expect(ways(marked(), "pose to goal").flatMap(({ lines }) => lines)).toEqual(apart.map(({ goal, pose }) => [pose, target(goal)]));
   });
 
   test("has the members of the family as broken straight lines where their ways are not known", () => {

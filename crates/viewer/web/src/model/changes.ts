@@ -54,6 +54,14 @@ export const sequence = (moment: Moment): number[] =>
     .sort((a, b) => (a.turn ?? 0) - (b.turn ?? 0))
     .map((verdict) => verdict.goal.id);
 
+/** The next decision (or, backwards, the one before) at which a goal was added or dropped; nothing if there is none. */
+export const nextTurn = (moments: readonly Moment[], from: number, by: 1 | -1): number | undefined => {
+  for (let i = from + by; i >= 0 && i < moments.length; i += by) {
+    if (moments[i]?.verdicts.some(({ action }) => action === "add" || action === "drop")) return i;
+  }
+  return undefined;
+};
+
 const ORDER: readonly ChangeKind[] = ["done", "dropped", "entered", "left", "moved", "altered", "found"];
 
 /** All goals that changed, by kind and then by number. */

@@ -63,8 +63,8 @@ const ofLog = (one: PlaneName, known: DerivedPlane | undefined, first: boolean):
   return { id, name, label: (told ?? one).label, unit: (told ?? one).unit ?? "", group, classes };
 };
 
-/** A class by its number and its name, which may be little more than the number. */
-export const className = ({ value, name }: PlaneClass): string => (name.split(" ").includes(String(value)) ? name : `${value} ${name}`);
+/** A class by its number and its name; where the name is nothing but the number, it says that it is a class. */
+export const className = ({ value, name }: PlaneClass): string => (name === String(value) ? `class ${name}` : name.split(" ").includes(String(value)) ? name : `${value} ${name}`);
 
 export const title = ({ label, unit }: Choice): string => (unit ? `${label}, ${unit}` : label);
 
@@ -101,7 +101,11 @@ export const scaleOf = (choice: Choice, aspect: Aspect, planes: readonly (Plane 
     const most = Math.max(share || choice.group === "credits" ? LEAST_SHARE : 0, Math.abs(found.min), Math.abs(found.max)) || 1;
     return { colours: "diverging", min: -most, max: most };
   }
-  if (choice.group === "credits") return { colours: "diverging", min: -1, max: 1 };
+  if (choice.group === "credits") {
+    // Credits sum to 1, but one may be more, and another less than −1.
+    const more = found.min < -1 - SLACK || found.max > 1 + SLACK;
+    return { colours: "diverging", min: -1, max: 1, ...(more ? { beyond: found } : {}) };
+  }
   const within = found.min >= -SLACK && found.max <= 1 + SLACK;
   const map = choice.group === "uncertainty" ? "cividis" : choice.name === "elevation" ? "stone" : colours;
   return share && within ? { colours: map, min: 0, max: 1 } : { colours: map, ...found };

@@ -3,14 +3,18 @@
 import { difference, differing } from "../model/plane";
 import type { Plane } from "../model/plane";
 import { DERIVED } from "../planes";
+import { STATES } from "../model/states";
+import type { GoalState } from "../model/states";
 import type { Aspect, Store } from "../state";
 import { h } from "../ui/dom";
 import { plain } from "../ui/format";
-import { Legend } from "../ui/legend";
+import { beyondNote, Legend } from "../ui/legend";
 import type { LegendWords } from "../ui/legend";
 import { MapView } from "../view/map";
 import type { Beside, MapHandlers, MapScene, MapSide } from "../view/map";
 import type { Scale } from "../view/paint";
+import { shapes } from "../view/shapes";
+import type { Way } from "../view/shapes";
 import { SolidView } from "../view/solid";
 import type { SolidScene } from "../view/solid";
 import { aspectTitle, className, classesShown, scaleOf } from "./choices";
@@ -152,6 +156,11 @@ export class Ground {
     return probe && !this.solid && !apart(this.sides) ? this.map.viewport.place(probe).x : undefined;
   }
 
+  /** A share of the width, near the middle of the ground, at which a line hides neither a rover nor the goal it goes to. */
+  freeWipe(): number {
+    return this.map.freeWipe() ?? this.store.view.wipe;
+  }
+
   /** The flat map as it is now, in sight or not. */
   get flat(): MapView {
     if (this.scene) this.map.show(this.scene);
@@ -178,15 +187,18 @@ export class Ground {
     const heights = solid && this.solidView ? [`heights × ${plain(this.solidView.heightStretch)}`] : [];
     const light = view.shaded && a.relief ? `relief × ${a.relief.stretch}, light from the north-west` : "no relief";
     const alternatives = view.alternatives || view.option !== undefined;
+    const drawn = [this.scene, this.scene?.other].flatMap((side) => (side ? shapes(side) : []));
+    const kinds = new Set<Way["what"] | GoalState>(drawn.flatMap((shape) => (shape.kind === "way" ? shape.what : shape.kind === "mark" ? shape.state : [])));
     const unknown = a.ways === "pending" ? "ways of alternatives: being worked out …" : a.ways ? undefined : "ways of alternatives are not in the log: straight lines from pose to pose";
     return {
       title: aspectTitle(choice, aspect),
       scale: this.scale,
       classes: classesShown(choice, aspect).map(className),
       odd,
-      notes: [[...heights, light].join(", "), ...(alternatives && unknown ? [unknown] : [])],
+      notes: [...beyondNote(this.scale), [...heights, light].join(", "), ...(alternatives && unknown ? [unknown] : [])],
       cautions: cautions(view, this.sides, solid, this.missing, this.waiting !== ""),
-      ways: ["driven", "next leg", "plan", ...(alternatives ? (["alternative"] as const) : [])],
+      ways: ["driven", "next leg", "plan", ...(alternatives ? (["alternative"] as const) : []), ...(kinds.has("pose to goal") ? (["pose to goal"] as const) : [])],
+      marks: STATES.filter((state) => kinds.has(state)),
     };
   }
 

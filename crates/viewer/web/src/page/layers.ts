@@ -1,6 +1,7 @@
 // The choice of what the map shows.
 
 import type { Aspect, Store, View } from "../state";
+import { PUT_IN } from "../ui/notices";
 import { h } from "../ui/dom";
 import { choices, GROUPS, title } from "./choices";
 import type { Choice } from "./choices";
@@ -16,7 +17,7 @@ const ASPECTS: readonly [Aspect, string][] = [
 ];
 
 /** Where derived layers can be had, for a page that has none. */
-const WHERE = "derived layers: wisdom view LOG";
+const WHERE = `derived layers: wisdom view LOG; whoever sends this page puts them in by ${PUT_IN}`;
 
 export class Layers {
   readonly element = h("select", { class: "layer", "aria-label": "Layer", title: "Layer (l)" });

@@ -11,6 +11,9 @@ import type { Sides } from "./side";
 
 const HEIGHTS: readonly (number | undefined)[] = [undefined, 0.5, 1, 2, 3, 5, 10];
 
+/** Where map and decision stand side by side. */
+const WIDE = "(width >= 1000px)";
+
 /** Width of the column on the left. */
 const COLUMN_PX = 290;
 
@@ -20,6 +23,11 @@ export class MapPane {
   private readonly alternatives: HTMLButtonElement;
   private readonly solid: HTMLButtonElement;
   readonly modes: Modes;
+  /** Where values of a cell go that have no room beside the map. */
+  dock: HTMLElement | undefined;
+  private readonly column: HTMLElement;
+  /** Whether they were too many for the column. */
+  private crowded = false;
   private readonly heights = h("select", { "aria-label": "Heights stretched by", title: "Heights stretched by (h)", hidden: true }, HEIGHTS.map((by) => h("option", { value: by ?? "" }, by === undefined ? "heights: auto" : `heights × ${by}`)));
   /** The line between two runs in three dimensions; the flat map draws its own. */
   private readonly divide = h("div", { class: "divide", hidden: true }, h("b", {}, "A"), h("b", {}, "B"));
@@ -30,7 +38,7 @@ export class MapPane {
     private readonly sides: Sides,
     private readonly ground: Ground,
     layers: Layers,
-    readout: Readout,
+    private readonly readout: Readout,
   ) {
     const button = (label: string, title: string, onclick: () => void): HTMLButtonElement => h("button", { type: "button", title, "aria-pressed": "false", onclick }, label);
     const { view } = store;
@@ -40,19 +48,20 @@ export class MapPane {
     this.modes = new Modes(store);
     this.heights.addEventListener("change", () => store.set({ heights: this.heights.value === "" ? undefined : Number(this.heights.value) }));
     const round = (label: string, title: string, name: string, onclick: () => void): HTMLElement => h("button", { type: "button", title, "aria-label": name, onclick }, label);
+    this.column = h(
+      "div",
+      { class: "map-left" },
+      h("div", { class: "map-tools" }, layers.element, layers.aspects, layers.colours, this.relief, this.alternatives, this.solid, this.heights, this.modes.element),
+      layers.note,
+      readout.element,
+    );
     this.element = h(
       "section",
       { class: "map-pane", "aria-label": "Map" },
       ground.mapCanvas,
       ground.solidCanvas,
       this.divide,
-      h(
-        "div",
-        { class: "map-left" },
-        h("div", { class: "map-tools" }, layers.element, layers.aspects, layers.colours, this.relief, this.alternatives, this.solid, this.heights, this.modes.element),
-        layers.note,
-        readout.element,
-      ),
+      this.column,
       h(
         "div",
         { class: "zoom-tools" },
@@ -63,6 +72,9 @@ export class MapPane {
       ground.legend.element,
     );
     this.listenDivide();
+    new ResizeObserver(() => this.crowd()).observe(readout.element);
+    // With another size, or another run, there may be room again.
+    new ResizeObserver(() => (this.crowded = false)).observe(this.element);
   }
 
   show(view: View): void {
@@ -73,7 +85,7 @@ export class MapPane {
     const halves = this.apart || view.split === "halves";
     this.modes.show(two, this.apart);
     this.element.dataset.split = !two ? "none" : halves ? "halves" : "wipe";
-    this.element.dataset.readout = this.inTheWay(view) ? "right" : "left";
+    this.settle(two);
     this.element.toggleAttribute("data-solid", this.ground.solid);
     this.heights.hidden = !this.ground.solid;
     this.heights.value = String(view.heights ?? "");
@@ -83,9 +95,26 @@ export class MapPane {
     this.divide.lastElementChild?.replaceChildren(this.apart ? "B, other ground" : "B");
   }
 
+  /** Values of a cell stand beside the map; with two runs, or where they are too many, below the decision, which hides nothing of the map. */
+  private settle(two: boolean): void {
+    const { dock, readout } = this;
+    const docked = dock !== undefined && (two || this.crowded) && matchMedia(WIDE).matches;
+    const place = docked ? dock : this.column;
+    if (readout.element.parentElement !== place) place.append(readout.element);
+    readout.element.classList.toggle("docked", docked);
+    this.element.dataset.readout = docked ? "docked" : this.inTheWay() ? "right" : "left";
+  }
+
+  /** Whether the values reach down to the legend. */
+  private crowd(): void {
+    const { element } = this.readout;
+    if (this.crowded || element.parentElement !== this.column || element.childElementCount === 0) return;
+    this.crowded = element.getBoundingClientRect().bottom > this.ground.legend.element.getBoundingClientRect().top;
+    if (this.crowded) this.settle(this.sides.b?.run !== undefined);
+  }
+
   /** Whether values on the left would hide what they are of. */
-  private inTheWay(view: View): boolean {
-    if (this.sides.b?.run && (this.apart || view.split === "halves")) return view.probed === "a";
+  private inTheWay(): boolean {
     return (this.ground.probeX ?? Number.POSITIVE_INFINITY) < COLUMN_PX;
   }
 

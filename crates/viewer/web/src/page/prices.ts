@@ -3,6 +3,7 @@
 import type { Prices } from "../derived/types";
 import { h } from "../ui/dom";
 import { goalName } from "../ui/format";
+import { PUT_IN } from "../ui/notices";
 import { priceList } from "../ui/prices";
 import type { Side, Sides } from "./side";
 
@@ -26,7 +27,7 @@ export class PriceTags {
     const made = h("div", { class: "price-tag", "aria-live": "polite" });
     this.tags.set(key, made);
     const index = a?.derivable;
-    if (index && "unavailable" in index) made.append(h("p", { class: "sub" }, index.unavailable ? `no prices: ${index.unavailable}` : "what it would have taken: wisdom view LOG, or wisdom explain LOG"));
+    if (index && "unavailable" in index) made.append(h("p", { class: "sub" }, index.unavailable ? `no prices: ${index.unavailable}` : `what it would have taken: wisdom view LOG, or wisdom explain LOG; whoever sends this page puts it in by ${PUT_IN}`));
     // What is inside the page need not be waited for.
     else if (index?.inside) this.ask(made, goal, decision);
     else made.append(h("button", { type: "button", onclick: () => this.ask(made, goal, decision) }, "What would it have taken?"));
@@ -45,7 +46,7 @@ export class PriceTags {
 }
 
 const told = (prices: Prices | undefined, goal: number): HTMLElement => {
-  if (!prices) return h("p", { class: "sub" }, "The prices of this decision are not in this page.");
+  if (!prices) return h("p", { class: "sub" }, `The prices of this decision are not in this page; whoever sends it puts them in by ${PUT_IN}`);
   const tag = prices.tags.find((one) => one.goal === goalName(goal));
   return tag ? priceList(tag, prices.limits) : h("p", { class: "sub" }, "It was not among the goals left out that have a price.");
 };

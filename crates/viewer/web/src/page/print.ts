@@ -37,17 +37,29 @@ const copied = (of: HTMLElement): HTMLElement => {
   return copy;
 };
 
-const build = ({ title, facts, map, legend, head, pages, timeline, trends }: Printed): HTMLElement =>
-  h(
+/** The longest table, of the file and not of the mission: it stands behind all that is read. */
+const topicsOf = (pages: readonly HTMLElement[]): HTMLElement[] => {
+  const topics = pages.map((page) => page.querySelector<HTMLElement>(".topics")).find((table) => table !== null);
+  if (!topics) return [];
+  if (topics.previousElementSibling?.matches("h3")) topics.previousElementSibling.remove();
+  return [h("section", { class: "paper-page" }, h("h2", {}, "Topics in the file"), topics)];
+};
+
+const build = ({ title, facts, map, legend, head, pages, timeline, trends }: Printed): HTMLElement => {
+  const copies = pages.map(({ title: name, page }) => ({ name, page: withTrends(copied(page), trends) }));
+  const topics = topicsOf(copies.map(({ page }) => page));
+  return h(
     "section",
     { class: "paper" },
     h("h1", {}, title),
     copied(facts),
     h("div", { class: "paper-map" }, map ?? "", legend ? copied(legend) : ""),
     copied(head),
-    ...pages.map(({ title: name, page }) => h("section", { class: "paper-page" }, h("h2", {}, name), withTrends(copied(page), trends))),
+    ...copies.map(({ name, page }) => h("section", { class: "paper-page" }, h("h2", {}, name), page)),
     h("section", { class: "paper-page paper-time" }, h("h2", {}, "Timeline"), ...timeline),
+    ...topics,
   );
+};
 
 /** A plot on the screen is as wide as the screen; on paper stands one that fits. */
 const withTrends = (page: HTMLElement, trends: SVGSVGElement | undefined): HTMLElement => {

@@ -29,7 +29,8 @@ const written = (choice: Choice, value: number | undefined): string => {
   if (value === undefined) return "unknown";
   if (choice.group === "uncertainty") return share(value);
   const known = choice.classes.find((one) => one.value === value);
-  return known ? className(known) : plain(value);
+  if (known) return className(known);
+  return choice.classes.length > 0 ? `none (${plain(value)})` : plain(value);
 };
 
 export class Readout {

@@ -3,9 +3,15 @@
 import type { Theme } from "../state";
 
 const THEMES: readonly Theme[] = ["auto", "light", "dark"];
+const dark = (): boolean => matchMedia("(prefers-color-scheme: dark)").matches;
 const KEY = "wisdom-theme";
 
-export const nextTheme = (theme: Theme): Theme => THEMES[(THEMES.indexOf(theme) + 1) % THEMES.length] ?? "auto";
+/** First the opposite of what is seen, so that the first press shows; then what the system has, and back to it. */
+export const nextTheme = (theme: Theme, systemDark = dark()): Theme => {
+  const opposite = systemDark ? "light" : "dark";
+  if (theme === "auto") return opposite;
+  return theme === opposite ? (systemDark ? "dark" : "light") : "auto";
+};
 
 export const keptTheme = (): Theme => {
   try {

@@ -7,6 +7,7 @@ import { figureButtons, fileName } from "../ui/export";
 import { TimelineView } from "../view/timeline";
 import type { TimelineHandlers } from "../view/timeline";
 import type { Player } from "./player";
+import { timeGrip } from "./time-grip";
 import type { Sides } from "./side";
 
 export class TimePane {
@@ -22,7 +23,7 @@ export class TimePane {
   ) {
     this.timeline = new TimelineView(h("canvas", { class: "lanes", tabindex: 0, "aria-label": "Timeline of decisions, events and goals. Keys: up and down scroll the goals" }), handlers);
     const buttons = figureButtons("the timeline", (ending) => this.fileName(ending), () => this.timeline.figure(this.label));
-    this.element = h("section", { class: "time-pane", "aria-label": "Timeline" }, this.timeline.canvas, h("div", { class: "time-tools" }, player.elements, this.axisButton, buttons));
+    this.element = h("section", { class: "time-pane", "aria-label": "Timeline" }, timeGrip(() => this.element), this.timeline.canvas, h("div", { class: "time-tools" }, player.elements, this.axisButton, buttons));
     this.axisLabel();
   }
 

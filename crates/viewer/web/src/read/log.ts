@@ -126,13 +126,14 @@ export class LogReader {
 
   private wholeness(end: End, bytes: number): Wholeness {
     const saved = `${this.decisions} decision${this.decisions === 1 ? "" : "s"} recovered`;
+    const onward = "Made whole again up to there by: wisdom log recover LOG OUT";
     switch (end.kind) {
       case "foreign":
         return { kind: "damaged", at: 0, text: `This is not an MCAP file (${bytes} bytes): ${end.why}.` };
       case "damaged":
-        return { kind: "damaged", at: end.at, text: `Damaged at byte ${end.at} of ${bytes}: ${end.why}. ${saved}; ${end.stopped ? "nothing after that byte is shown" : "the rest was read on"}.` };
+        return { kind: "damaged", at: end.at, text: `Damaged at byte ${end.at} of ${bytes}: ${end.why}. ${saved}; ${end.stopped ? `nothing after that byte is shown. ${onward}` : "the rest was read on"}.` };
       case "cut":
-        return { kind: "cut", at: end.at, text: `Cut short at byte ${end.at} of ${bytes}: ${end.why}. ${saved}.` };
+        return { kind: "cut", at: end.at, text: `Cut short at byte ${end.at} of ${bytes}: ${end.why}. ${saved}. ${onward}.` };
       case "whole":
         // Of another program's log nothing is known to be missing.
         return this.ended || !("log_version" in this.run) ? { kind: "whole" } : { kind: "unfinished", text: `The file is whole, but the run in it did not end. ${saved}.` };

@@ -9,6 +9,7 @@ import type { Mark, Shape, Way } from "../view/shapes";
 import { colourTable, css } from "../view/colour";
 import { s } from "./dom";
 import { classColours, tickLabels, WAY_COLOURS } from "./legend";
+import { stateLabel } from "../model/states";
 import type { LegendWords } from "./legend";
 
 /** What a figure is made of. */
@@ -29,7 +30,7 @@ export interface Figure {
 type Place = (cell: Cell) => { x: number; y: number };
 
 const TITLE_PX = 44;
-const LEGEND_PX = 96;
+const LEGEND_PX = 126;
 const RAMP_PX = 260;
 /** Room of one name in the legend. */
 const ENTRY_PX = 86;
@@ -158,16 +159,16 @@ const divider = (x: number, top: number, down: number, apart: boolean): SVGEleme
   haloed(apart ? "B, other ground" : "B", x + (apart ? 58 : 14), top + 18),
 ];
 
-/** The legend on the left, the scale bar on the right. */
+/** The legend, and the scale bar below it on the right. */
 const legendOf = ({ legend, metresPerPixel }: Figure, width: number, top: number): SVGElement => {
   const group = s("g", { transform: `translate(8 ${n(top + 18)})`, fill: "#1a1c1f" });
-  if (legend) group.append(s("text", { "font-weight": 600 }, legend.title), ...(legend.scale.classes ? classes(legend, width) : ramp(legend)), ...ways(legend), s("text", { y: 68, "font-size": 10.5, fill: "#6d7279" }, [...legend.notes, ...legend.cautions].join("; ")));
+  if (legend) group.append(s("text", { "font-weight": 600 }, legend.title), ...(legend.scale.classes ? classes(legend, width) : ramp(legend)), ...ways(legend), ...marks(legend), s("text", { y: 86, "font-size": 10.5, fill: "#6d7279" }, [...legend.notes, ...legend.cautions].join("; ")));
   const bar = [...BARS_M].reverse().find((metres) => metres / metresPerPixel <= LONGEST_BAR_PX) ?? BARS_M[0];
   const length = bar / metresPerPixel;
   const from = width - 24 - length;
   group.append(
-    s("path", { d: `M${n(from)} 48V54H${n(from + length)}V48`, fill: "none", stroke: "#1a1c1f", "stroke-width": 1.5 }),
-    s("text", { x: n(from + length / 2), y: 70, "text-anchor": "middle" }, `${bar} m`),
+    s("path", { d: `M${n(from)} 94V100H${n(from + length)}V94`, fill: "none", stroke: "#1a1c1f", "stroke-width": 1.5 }),
+    s("text", { x: n(from - 6), y: 102, "text-anchor": "end" }, `${bar} m`),
   );
   return group;
 };
@@ -193,5 +194,12 @@ const classes = (legend: LegendWords, width: number): SVGElement[] => {
   });
 };
 
+/** The marks of goals by their states. */
+const marks = ({ marks: shown }: LegendWords): SVGElement[] =>
+  shown.flatMap((state, i) => {
+    const sign = filled(state) ? { fill: stateColour[state], stroke: "#000", "stroke-opacity": 0.75, "stroke-width": 0.9 } : { fill: "none", stroke: "#55595e", "stroke-width": 1.9 };
+    return [s("path", { d: markPath(state, 5.4), transform: `translate(${i * ENTRY_PX + 9} 65)`, ...sign }), s("text", { x: i * ENTRY_PX + 22, y: 69, "font-size": 10.5 }, stateLabel[state])];
+  });
+
 const ways = ({ ways: shown }: LegendWords): SVGElement[] =>
-  shown.flatMap((what, i) => [s("line", { x1: i * ENTRY_PX, x2: i * ENTRY_PX + 18, y1: 46, y2: 46, stroke: WAY_COLOURS[what], "stroke-width": 3 }), s("text", { x: i * ENTRY_PX + 22, y: 50, "font-size": 10.5 }, what)]);
+  shown.flatMap((what, i) => [s("line", { x1: i * ENTRY_PX, x2: i * ENTRY_PX + 18, y1: 46, y2: 46, stroke: WAY_COLOURS[what], ...(what === "pose to goal" ? { "stroke-width": 1.2, "stroke-dasharray": "2 2" } : { "stroke-width": 3 }) }), s("text", { x: i * ENTRY_PX + 22, y: 50, "font-size": 10.5 }, what)]);

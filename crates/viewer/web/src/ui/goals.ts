@@ -44,6 +44,7 @@ export class GoalTable {
 
   constructor(private readonly handlers: GoalHandlers) {
     this.filter.addEventListener("input", () => this.render());
+    this.filter.addEventListener("keydown", (event) => this.openFirst(event));
     this.element.append(
       h("div", { class: "tools" }, this.filter, this.chips),
       h("table", { class: "goal-table" }, this.head, this.body),
@@ -223,6 +224,15 @@ export class GoalTable {
     return row;
   }
 
+  /** Enter in the filter opens the first goal that fits, and goes there. */
+  private openFirst(event: KeyboardEvent): void {
+    const first = this.body.querySelector<HTMLElement>("tr[data-goal]");
+    if (event.key !== "Enter" || !first) return;
+    event.preventDefault();
+    this.handlers.pick(Number(first.dataset.goal));
+    first.focus();
+  }
+
   private key(event: KeyboardEvent, goal: number, open: boolean): void {
     const row = event.currentTarget as HTMLElement;
     const step = (to: "nextElementSibling" | "previousElementSibling"): void => {
@@ -246,11 +256,13 @@ export class GoalTable {
     goal.credit.forEach((part, i) => {
       const piece = h("span");
       // Set by property, not by attribute: the page's policy allows it, and the numbers come from the log.
+      piece.classList.toggle("negative", part < 0);
       piece.style.width = `${(100 * Math.abs(part)) / total}%`;
       piece.style.background = EXPERT_COLOURS[i % EXPERT_COLOURS.length] ?? OKABE.grey;
       bar.append(piece);
       const dot = h("i");
       dot.style.background = piece.style.background;
+      dot.classList.toggle("negative", part < 0);
       key.append(h("span", {}, dot, `${name(i)} ${(100 * part).toFixed(1)} %`));
     });
     const facts_: [string, string][] = [
@@ -272,6 +284,7 @@ export class GoalTable {
       h(
         "td",
         { colspan: 5 },
+        goal.credit.length > 0 && h("p", { class: "credit-title" }, h("b", {}, "Credit"), ", each expert's exact share of the interest", goal.credit.some((part) => part < 0) ? "; striped: below 0, it speaks against" : ""),
         goal.credit.length > 0 && bar,
         goal.credit.length > 0 && key,
         h("dl", {}, facts_.flatMap(([label, value]) => [h("div", {}, h("dt", {}, label), h("dd", {}, value))])),

@@ -1,9 +1,13 @@
-// The legend of the map: what the colours and lines mean.
+// The legend of the map: what the colours, lines and marks mean.
 
+import { stateLabel } from "../model/states";
+import type { GoalState } from "../model/states";
 import { classStep, colourTable, css, cssAt, NO_CLASS } from "../view/colour";
+import { markIcon } from "../view/marks";
 import type { Scale } from "../view/paint";
 import type { Way } from "../view/shapes";
 import { h } from "./dom";
+import { plain } from "./format";
 
 /** What a legend says, for the page and for a saved figure alike. */
 export interface LegendWords {
@@ -18,6 +22,8 @@ export interface LegendWords {
   /** What must be known not to be misled; said wherever there is a legend. */
   cautions: readonly string[];
   ways: readonly Way["what"][];
+  /** States that goals on the map are in. */
+  marks: readonly GoalState[];
 }
 
 export const WAY_COLOURS: Record<Way["what"], string> = {
@@ -26,6 +32,7 @@ export const WAY_COLOURS: Record<Way["what"], string> = {
   plan: "#e69f00",
   alternative: "#cc79a7",
   "picked alternative": "#cc79a7",
+  "pose to goal": "#1a1c1f",
 };
 
 const TICKS = [0, 0.25, 0.5, 0.75, 1] as const;
@@ -44,7 +51,7 @@ export class Legend {
       ...(words.scale.classes ? [classList(words)] : ramp(words.scale)),
       ...words.notes.map((note) => h("p", { class: "sub" }, note)),
       ...words.cautions.map((caution) => h("p", { class: "caution" }, caution)),
-      h("p", { class: "ways sub" }, words.ways.map(wayKey)),
+      h("p", { class: "ways sub" }, words.ways.map(wayKey), words.marks.map((state) => h("span", {}, markIcon(state), stateLabel[state]))),
     );
   }
 }
@@ -57,7 +64,13 @@ const ramp = (scale: Scale): HTMLElement[] => {
 };
 
 /** Values under the ramp, from its left end to its right. */
-export const tickLabels = ({ min, max }: Scale): string[] => TICKS.map((part) => written(min + part * (max - min), max - min));
+export const tickLabels = ({ min, max, beyond }: Scale): string[] => {
+  const labels = TICKS.map((part) => written(min + part * (max - min), max - min));
+  return labels.map((label, i) => (i === 0 && beyond && beyond.min < min ? `≤ ${label}` : i === labels.length - 1 && beyond && beyond.max > max ? `≥ ${label}` : label));
+};
+
+/** How far values go that have the colour of an end. */
+export const beyondNote = ({ beyond }: Scale): string[] => (beyond ? [`beyond the ends: values from ${plain(beyond.min)} to ${plain(beyond.max)}`] : []);
 
 /** The colour of each class. */
 export const classColours = (words: LegendWords): { name: string; colour: string }[] => {
@@ -79,7 +92,7 @@ const classList = (words: LegendWords): HTMLElement =>
   );
 
 const wayKey = (what: Way["what"]): HTMLElement => {
-  const stroke = h("i");
+  const stroke = h("i", { class: what === "pose to goal" ? "thin" : "" });
   stroke.style.background = WAY_COLOURS[what];
   return h("span", {}, stroke, what);
 };

@@ -2,6 +2,9 @@
 
 import { h, legible } from "./dom";
 
+/** How a page that is mailed gets what its log has only as digests. */
+export const PUT_IN = "wisdom report LOG --html FILE --planes all --families --prices all";
+
 /** What is to be said of one log. */
 interface Said {
   kind: string;

@@ -53,7 +53,7 @@ export class RunPage {
       heading(`What was written at decision ${moment.number}`, csvButton("all that was written", () => name("written", "csv"), () => writtenTable(run))),
       h("ul", { class: "lines" }, lines.map((line) => h("li", { class: line.level >= 3 ? "warning" : "" }, line.text)), lines.length === 0 && h("li", { class: "note" }, "nothing")),
       h("h3", {}, "Known then"),
-      h("p", {}, `${(100 * moment.seen).toFixed(1)} % of the ground, background interest ${share(moment.background)}; ${moment.sites} maxima, ${moment.shortlist} goals sequenced. Facts: ${moment.facts.join(", ") || "none"}.`),
+      h("p", {}, `Of ${(100 * moment.seen).toFixed(1)} % of the ground there was a reading of any kind, the view from orbit included; background interest ${share(moment.background)}; ${moment.sites} maxima, ${moment.shortlist} goals sequenced. Facts: ${moment.facts.join(", ") || "none"}.`),
       h("h3", {}, "From outside, and faults"),
       h("ul", { class: "lines" }, run.happenings.map((one) => h("li", {}, `${clock(one.timeS)} ${one.kind}: ${one.text}`)), run.happenings.length === 0 && h("li", { class: "note" }, "none")),
     ];

@@ -49,6 +49,8 @@ const ROW = 18;
 /** Where the key begins, below the buttons. */
 const KEY_Y = 90;
 const KEY_ROW = 14;
+/** What the words at the end of a log that breaks off take of the axis. */
+const BREAK_PX = 84;
 /** Dots and stretches nearer than this to the last one are not drawn again. */
 const NEAR_PX = 0.7;
 
@@ -86,7 +88,7 @@ export const scaleOf = ({ run, axis, other }: TimelineScene, width: number): Tim
   new TimeScale(other ? [run, other.run] : [run], axis, LEFT, Math.max(10, width - LEFT - RIGHT));
 
 export const laneName = ({ a, b }: Lane, two: boolean): string =>
-  two ? `${a ? goalName(a.goal) : "–"} ${b ? goalName(b.goal) : "–"}` : a ? goalName(a.goal) : "";
+  two ? [a && `A ${goalName(a.goal)}`, b && `B ${goalName(b.goal)}`].filter(Boolean).join(" · ") : a ? goalName(a.goal) : "";
 
 /** Draws it all; `scrolled` is how far the lanes are. */
 export const drawTimeline = (ink: Ink, scene: TimelineScene, lanes: readonly Lane[], size: { width: number; height: number }, scrolled: number, colours: Colours): void => {
@@ -97,10 +99,12 @@ export const drawTimeline = (ink: Ink, scene: TimelineScene, lanes: readonly Lan
   ink.within(0, rows.lanes - 4, width, height - rows.lanes + 4, () => {
     drawLanes(ink, scene, lanes, scale, { ...size, scrolled }, colours);
   });
+  const ends = scale.x(scene.run, scene.run.moments.length);
   for (const { x, words } of scale.ticks()) {
     ink.line(Math.round(x) + 0.5, AXIS_Y + 8, Math.round(x) + 0.5, height, { stroke: colours.rule });
+    const told = broken(scene.run) && Math.abs(x - ends + BREAK_PX / 2) < BREAK_PX / 2 + 14;
     // The last one keeps clear of what stands on the right.
-    ink.text(words, x, AXIS_Y, { size: 11, fill: colours.faint, anchor: x > width - RIGHT - LABEL_PX / 2 ? "end" : "middle" });
+    if (!told) ink.text(words, x, AXIS_Y, { size: 11, fill: colours.faint, anchor: x > width - RIGHT - LABEL_PX / 2 ? "end" : "middle" });
   }
   label(scene.axis === "time" ? "time, h" : "number", AXIS_Y);
   const runs = [{ run: scene.run, index: scene.index }, ...(scene.other ? [scene.other] : [])];
@@ -112,6 +116,7 @@ export const drawTimeline = (ink: Ink, scene: TimelineScene, lanes: readonly Lan
     drawDecisions(ink, run, index, scale, decisionsY, colours);
     drawEvents(ink, run, scale, eventsY);
   });
+  runs.forEach(({ run }, side) => drawBreak(ink, run, scene.other ? ` ${side === 0 ? "A" : "B"}` : "", scale, [(rows.decisions[side] ?? 0) - 9, (rows.events[side] ?? 0) + 7], colours));
   drawCursor(ink, scene, scale, rows, height, colours);
   drawKey(ink, width - RIGHT + 22, height, colours);
 };
@@ -164,7 +169,19 @@ const drawLanes = (ink: Ink, scene: TimelineScene, lanes: readonly Lane[], scale
   });
   const all = lanes.length * rows.lane;
   const room = height - rows.lanes;
-  if (all > room) ink.rect(width - RIGHT + 10, rows.lanes + (scrolled / all) * room, 3, (room / all) * room, { fill: colours.scroll });
+  if (all > room) ink.rect(width - RIGHT + 8, rows.lanes + (scrolled / all) * room, 7, (room / all) * room, { fill: colours.scroll });
+};
+
+const broken = ({ wholeness: { kind } }: Run): boolean => kind === "cut" || kind === "damaged";
+
+/** A file that breaks off ends the axis, not the mission. */
+const drawBreak = (ink: Ink, run: Run, name: string, scale: TimeScale, [from, to]: readonly [number, number], colours: Colours): void => {
+  const { kind } = run.wholeness;
+  if (!broken(run)) return;
+  const x = scale.x(run, run.moments.length);
+  ink.line(x, from, x, to, { stroke: OKABE.vermilion, width: 2, dash: [4, 2] });
+  // Beside the hours, which make room: dots of decisions are not to be hidden. A second run has no hours of its own.
+  ink.text(`log${name} ${kind === "cut" ? "cut" : "damaged"} here`, x, from + 9 - ROW, { size: 10.5, fill: colours.ink, anchor: "end", bold: true });
 };
 
 /** One goal's life in one run, around a line. */

@@ -65,6 +65,9 @@ interface Picture {
   scale?: string;
 }
 
+/** What a wipe keeps clear of at first, and how many places it tries: half of the ground either way. */
+const WIPE_CLEAR_PX = 26;
+const WIPE_TRIES = 45;
 /** How near to a mark a click must come. */
 const REACH_PX = 14;
 /** Room that legend and values take on the left, and buttons on the right; of two halves, above and below. */
@@ -81,6 +84,8 @@ export class MapView {
   /** That of the second run, where it is on other ground. */
   private readonly second = new Viewport();
   private readonly surface: FlatSurface;
+  /** As it was laid out last: while the page is printed the canvas may measure otherwise than what is drawn on it. */
+  private size: Size;
   private readonly pictures: Record<"a" | "b", Picture> = { a: { canvas: document.createElement("canvas") }, b: { canvas: document.createElement("canvas") } };
   private scene: MapScene | undefined;
   private marks: Mark[] = [];
@@ -97,6 +102,7 @@ export class MapView {
       (size) => this.draw(size),
       () => this.resized(),
     );
+    this.size = this.surface.size;
     listenMap(this, handlers);
   }
 
@@ -113,7 +119,7 @@ export class MapView {
   fit(): void {
     const grid = this.scene?.run.facts.grid;
     if (!grid || grid.rows === 0) return;
-    const { width, height } = this.surface.size;
+    const { width, height } = this.size;
     if (this.halves) this.viewport.fit(grid, width / 2, height, KEPT_OF_HALF);
     else this.viewport.fit(grid, width, height, width < NARROW_PX ? KEPT_IF_NARROW : KEPT);
     const other = this.scene?.other?.run.facts.grid;
@@ -123,7 +129,7 @@ export class MapView {
 
   /** Nearer by a factor, about a pixel, or about the middle. */
   zoom(factor: number, px?: number, py?: number): void {
-    const { width, height } = this.surface.size;
+    const { width, height } = this.size;
     const middle = this.halves ? width / 4 : width / 2;
     for (const viewport of [this.viewport, this.second]) viewport.zoom(factor, px === undefined ? middle : px - this.movedAt(px), py ?? height / 2);
     this.redraw();
@@ -140,13 +146,26 @@ export class MapView {
   }
 
   get height(): number {
-    return this.surface.size.height;
+    return this.size.height;
   }
 
   /** Where the wipe stands, if there is one. */
   get wipeX(): number | undefined {
     const wipe = this.scene?.other?.wipe;
-    return typeof wipe === "number" ? wipe * this.surface.size.width : undefined;
+    return typeof wipe === "number" ? wipe * this.size.width : undefined;
+  }
+
+  /** Where a wipe would hide neither rover nor next goal of either run, as near to the middle of the ground as may be; a share of the width. */
+  freeWipe(): number | undefined {
+    const { scene } = this;
+    if (!scene?.other || this.size.width === 0) return undefined;
+    const { x, scale } = this.viewport;
+    const { cols } = scene.run.facts.grid;
+    const taken = [scene, scene.other].flatMap((side) => shapes(side).flatMap((shape) => (shape.kind === "rover" || (shape.kind === "mark" && shape.state === "next") ? this.viewport.place(shape.cell).x : [])));
+    const middle = x + (cols * scale) / 2;
+    const tries = Array.from({ length: WIPE_TRIES }, (_, i) => middle + (i % 2 === 0 ? 1 : -1) * Math.ceil(i / 2) * (cols * scale) * 0.02);
+    const free = tries.find((at) => taken.every((one) => Math.abs(one - at) > WIPE_CLEAR_PX));
+    return free === undefined ? undefined : free / this.size.width;
   }
 
   /** The cell under a pixel, and of which run. */
@@ -187,7 +206,7 @@ export class MapView {
   panels(): Panel[] {
     const { scene } = this;
     if (!scene) return [];
-    const { width } = this.surface.size;
+    const { width } = this.size;
     const panel = (side: MapSide, of: "a" | "b", x: number, to: number, dx: number): Panel => ({ side, of, x, width: to - x, dx, viewport: of === "b" && this.apart ? this.second : this.viewport, shapes: shapes(side), picture: this.picture(side, of, scene.scale) });
     if (!scene.other) return [panel(scene, "a", 0, width, 0)];
     const at = this.wipeX ?? width / 2;
@@ -195,6 +214,9 @@ export class MapView {
   }
 
   private resized(): void {
+    // On paper stands what was on the screen.
+    if (matchMedia("print").matches) return;
+    this.size = this.surface.size;
     this.stale = true;
     if (this.viewport.fitted) this.fit();
   }
@@ -208,11 +230,11 @@ export class MapView {
   }
 
   private sideAt(px: number): "a" | "b" {
-    return this.scene?.other && px > (this.wipeX ?? this.surface.size.width / 2) ? "b" : "a";
+    return this.scene?.other && px > (this.wipeX ?? this.size.width / 2) ? "b" : "a";
   }
 
   private movedAt(px: number): number {
-    return this.halves && this.sideAt(px) === "b" ? this.surface.size.width / 2 : 0;
+    return this.halves && this.sideAt(px) === "b" ? this.size.width / 2 : 0;
   }
 
   private draw(size: Size): void {

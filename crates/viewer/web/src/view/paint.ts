@@ -11,6 +11,8 @@ export interface Scale {
   max: number;
   /** Values that stand for classes: each has a colour of its own, and nothing lies between. */
   classes?: readonly number[];
+  /** From where to where the values go, if some lie beyond the ends and have the colours of the ends. */
+  beyond?: { min: number; max: number };
 }
 
 /** How much the relief darkens; it lightens about half as much, because light colours lose their hue sooner. */

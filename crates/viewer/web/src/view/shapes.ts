@@ -24,7 +24,7 @@ export interface Marked {
 export interface Way {
   kind: "way";
   /** What it is, for a reader of the drawing's text. */
-  what: "driven" | "next leg" | "plan" | "alternative" | "picked alternative";
+  what: "driven" | "next leg" | "plan" | "alternative" | "picked alternative" | "pose to goal";
   /** One line, or several that look alike. */
   lines: readonly (readonly Cell[])[];
   colour: string;
@@ -89,6 +89,7 @@ const make = (marked: Marked): Shape[] => {
   return [
     way("driven", once(marked.run.tracks(marked.index)), OKABE.blue, 2.2),
     ...alternatives(marked, moment),
+    ...reaches(moment),
     ...legs(moment),
     ...picked(marked, moment),
     ...marks(marked, moment),
@@ -105,12 +106,23 @@ const once = (tracks: readonly (readonly Cell[])[]): (readonly Cell[])[] => [...
 const FAINT = 0.9;
 const FAINT_CASING = 0.3;
 const CASING = 0.85;
+const REACH = "#1a1c1f";
 
 /** The next leg on top of those that follow. */
 const legs = (moment: Moment): Way[] => {
   const all = moment.act.name === "pursue" ? moment.legs.map((leg) => leg.cells) : [moment.act.route];
   const [first, ...later] = all.filter((cells) => cells.length > 1);
   return [...(later.length > 0 ? [way("plan", later, OKABE.orange, 1.8)] : []), ...(first ? [way("next leg", [first], OKABE.vermilion, 2.8)] : [])];
+};
+
+/** A way ends at a pose, from where the goal is looked at or worked on: this joins the two. */
+const reaches = (moment: Moment): Way[] => {
+  const targets = new Map(moment.verdicts.map(({ goal }) => [goal.id, goal.target]));
+  const lines = moment.legs.flatMap(({ goal, pose }) => {
+    const target = targets.get(goal);
+    return target && (target.row !== pose.row || target.col !== pose.col) ? [[pose, target]] : [];
+  });
+  return lines.length > 0 ? [way("pose to goal", lines, REACH, 1.2, [2, 2])] : [];
 };
 
 /** The way of a member of the family: whole if it is known, else straight from pose to pose. */
