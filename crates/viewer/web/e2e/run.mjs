@@ -63,7 +63,7 @@ const two = aged.url;
 await proves("a served log opens, and asks nobody else for anything", async (at) => {
   const { tab, asked } = await at(served);
   await ready(tab);
-  assert.equal(await title(tab), "Decision 0 of 5");
+  assert.equal(await title(tab), "Decision 0 of 0 … 4");
   assert.equal(await tab.locator(".mission").innerText(), "paper");
   assert.match(await tab.locator(".pill").innerText(), /complete/);
   assert.deepEqual(asked.filter((url) => !url.startsWith(served) && !url.startsWith("blob:") && !url.startsWith("data:")), []);
@@ -96,16 +96,16 @@ await proves("keys step through the run, and the address follows", async (at) =>
   await ready(tab);
   await tab.keyboard.press("ArrowRight");
   await drawn(tab, 1);
-  assert.equal(await title(tab), "Decision 1 of 5");
+  assert.equal(await title(tab), "Decision 1 of 0 … 4");
   await tab.waitForFunction(() => location.hash === "#d=1");
   await tab.keyboard.press("End");
   await drawn(tab, 4);
-  assert.equal(await title(tab), "Decision 4 of 5");
+  assert.equal(await title(tab), "Decision 4 of 0 … 4");
   await tab.keyboard.press("ArrowRight");
-  assert.equal(await title(tab), "Decision 4 of 5");
+  assert.equal(await title(tab), "Decision 4 of 0 … 4");
   await tab.keyboard.press("Home");
   await drawn(tab, 0);
-  assert.equal(await title(tab), "Decision 0 of 5");
+  assert.equal(await title(tab), "Decision 0 of 0 … 4");
   await tab.keyboard.press("Space");
   await drawn(tab, 2);
   await tab.keyboard.press("Space");
@@ -115,7 +115,7 @@ await proves("a link leads to its moment", async (at) => {
   const { tab } = await at(`${served}#d=3`);
   await ready(tab);
   await drawn(tab, 3);
-  assert.equal(await title(tab), "Decision 3 of 5");
+  assert.equal(await title(tab), "Decision 3 of 0 … 4");
 });
 
 await proves("the goals listed are those of the log, and open by key", async (at) => {
@@ -194,7 +194,7 @@ await proves("a page from disk with the log inside needs no server", async (at) 
   writeFileSync(file, inlined(sample, "paper.mcap"));
   const { tab, asked } = await at(pathToFileURL(file).href);
   await ready(tab);
-  assert.equal(await title(tab), "Decision 0 of 5");
+  assert.equal(await title(tab), "Decision 0 of 0 … 4");
   assert.deepEqual(asked.filter((url) => /^https?:/.test(url)), []);
 });
 

@@ -7,6 +7,7 @@ import { Intake } from "./page/intake";
 import { listenKeys } from "./page/keys";
 import type { Keys } from "./page/keys";
 import { Layers } from "./page/layers";
+import { follow, leadOf, turnTo } from "./page/lead";
 import { Links } from "./page/links";
 import { MapPane } from "./page/map-pane";
 import { Player } from "./page/player";
@@ -36,7 +37,7 @@ export class App {
   private readonly sides: Sides = { a: undefined, b: undefined };
   private readonly layers = new Layers(this.store, this.sides);
   private readonly readout = new Readout(this.sides, this.layers);
-  private readonly prices = new PriceTags(this.sides);
+  private readonly prices = new PriceTags(this.store, this.sides);
   private readonly player = new Player(this.store, this.sides);
   private readonly banner = new Banner();
   private readonly hint = new Hint();
@@ -62,14 +63,23 @@ export class App {
         if (was.probe?.row !== probe?.row || was.probe?.col !== probe?.col || was.probed !== probed) this.store.set({ probe, probed });
       },
       wipe: (wipe) => this.store.set({ wipe }),
-      pick: (goal) => this.store.set({ goal, ...(goal === undefined ? {} : { tab: "goals" as const }) }),
+      pick: (goal, of) => {
+        if (goal !== undefined) turnTo(this.store, this.sides, of);
+        this.store.set({ goal, ...(goal === undefined ? {} : { tab: "goals" as const }) });
+      },
     },
     () => this.mapPane.noSolid(),
   );
   private readonly mapPane = new MapPane(this.store, this.sides, this.ground, this.layers, this.readout);
   private readonly time = new TimePane(this.store, this.sides, this.player, {
-    seek: (index) => this.player.seek(index),
-    pick: (goal) => this.store.set({ goal }),
+    seek: (index, of) => {
+      turnTo(this.store, this.sides, of);
+      this.player.seek(index);
+    },
+    pick: (goal, of) => {
+      turnTo(this.store, this.sides, of);
+      this.store.set({ goal });
+    },
     hint: (text, x, y) => this.hint.show(text, x, y),
   });
   private readonly panel = new Panel(h("aside", { "aria-label": "Decision" }), this.store, {
@@ -80,7 +90,8 @@ export class App {
     pick: (goal) => this.store.set({ goal }),
     option: (option) => this.store.set({ option }),
     price: (goal, decision) => this.prices.tag(goal, decision),
-    attachment: (name) => this.sides.a?.client.attachment(name) ?? Promise.resolve(undefined),
+    turn: (subject) => turnTo(this.store, this.sides, subject),
+    attachment: (name) => leadOf(this.sides, this.store.view)?.client.attachment(name) ?? Promise.resolve(undefined),
   });
   private readonly growth = new Growth(this.sides, this.layers);
   private readonly toast = new Toast();
@@ -95,7 +106,7 @@ export class App {
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.redraw());
     this.store.view.theme = keptTheme();
     applyTheme(this.store.view.theme);
-    listenPrint(() => paperOf(this.store.view, this.sides, this.header.facts, this.ground, this.panel, this.time), (on) => applyTheme(on ? "light" : this.store.view.theme));
+    listenPrint(() => paperOf(this.sides, this.header.facts, this.ground, this.panel, this.time), (on) => applyTheme(on ? "light" : this.store.view.theme));
   }
 
   /** Opens a log in place of the one that is open. */
@@ -118,6 +129,7 @@ export class App {
 
   private closeOther(): void {
     this.sides.b?.close();
+    if (this.sides.b && this.store.view.subject === "b") turnTo(this.store, this.sides, "a");
     this.sides.b = undefined;
     this.banner.beside(false);
     delete document.documentElement.dataset.other;
@@ -203,22 +215,20 @@ export class App {
       this.redraw();
     }
     const run = a?.run;
-    const moment = run?.moment(view.index);
-    if (a) a.index = view.index;
-    if (moment) b?.follow(view.index, moment.timeS, view.axis);
+    follow(this.sides, view, touched("axis", "log"));
     if (!run) return;
     if (run.moments.length === 0) {
-      if (touched("log")) this.panel.show(run, undefined);
+      if (touched("log")) this.panel.show({ run, index: 0 }, undefined);
       return;
     }
     this.links.write();
     const grown = touched("log") && this.growth.news();
-    if (touched("index", "layer", "aspect", "colours", "shaded", "axis") || grown) void this.ground.show();
+    if (touched("index", "layer", "aspect", "colours", "shaded", "axis", "subject") || grown) void this.ground.show();
     else if (changed.size > 1 || !touched("log")) this.ground.draw();
     this.mapPane.show(view);
-    if (touched("index", "goal", "axis", "theme") || (touched("log") && this.growth.due())) this.time.show(run);
-    if (touched("index", "goal", "tab", "option", "axis") || grown) this.panel.show(run, b?.run && { run: b.run, index: b.index });
-    else if (touched("log")) this.panel.count(run);
+    if (touched("index", "goal", "axis", "theme", "subject") || (touched("log") && this.growth.due())) this.time.show(run);
+    if (touched("index", "goal", "tab", "option", "axis", "subject") || grown) this.panel.show({ run, index: a.index }, b?.run && { run: b.run, index: b.index });
+    else if (touched("log")) this.panel.count(leadOf(this.sides, view)?.run ?? run);
     this.readout.show(view);
     if (touched("playing", "pace", "loop")) this.player.show();
     this.layers.show();
@@ -243,7 +253,7 @@ export class App {
   }
 
   private nextTurn(by: 1 | -1): void {
-    const next = nextTurn(this.sides.a?.run?.moments ?? [], this.store.view.index, by);
+    const next = nextTurn(leadOf(this.sides, this.store.view)?.run?.moments ?? [], this.store.view.index, by);
     if (next !== undefined) this.player.seek(next);
     else this.toast.say(`No goal is added or dropped ${by > 0 ? "after" : "before"} this decision.`);
   }
@@ -293,6 +303,7 @@ export class App {
       w: () => store.set({ alternatives: !view.alternatives }),
       a: () => layers.nextAspect(),
       b: this.sides.b ? () => this.mapPane.modes.next() : undefined,
+      x: this.sides.b ? () => turnTo(store, this.sides, view.subject === "a" ? "b" : "a") : undefined,
       f: this.sides.b ? () => this.firstDivergence() : undefined,
       ",": () => player.hurry(-1),
       ".": () => player.hurry(1),

@@ -11,7 +11,7 @@ export type Split = "wipe" | "halves";
 export type Tab = "goals" | "changes" | "plans" | "run" | "other";
 
 export interface View {
-  /** Place of the decision shown, from 0. */
+  /** Place of the decision shown, from 0, in the run that leads. */
   index: number;
   layer: string;
   aspect: Aspect;
@@ -41,6 +41,8 @@ export interface View {
   /** The cell asked about, and of which run. */
   probe: Cell | undefined;
   probed: "a" | "b";
+  /** The run that the decision panel tells of; decision, goal and plan picked out are this run's. */
+  subject: "a" | "b";
 }
 
 type Listener = (changed: ReadonlySet<keyof View | "log">) => void;
@@ -67,6 +69,7 @@ export class Store {
     alternatives: false,
     probe: undefined,
     probed: "a",
+    subject: "a",
   };
   private readonly listeners: Listener[] = [];
   private changed = new Set<keyof View | "log">();

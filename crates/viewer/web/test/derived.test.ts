@@ -83,7 +83,7 @@ describe("prices", () => {
   test("are told in the words of wisdom explain, and what is the same but once", () => {
     expect(first && priceLines(first, prices.limits)).toEqual([
       { levers: "energy", words: "89.7 kJ more (339.7 kJ instead of 250.0 kJ); applied: it is in, and out at 1 % less" },
-      { levers: "time, floor", words: "none does it: other goals are worth more; value with it 0.9960 against 1.88" },
+      { levers: "time, floor", words: "none does it: other goals are worth more; value with it 0.9960 against 1.88 (−0.8790)" },
       { levers: "interest", words: "prize 0.8838 higher: more than an interest of 1 is worth here, the least of those tried; applied: NOT CONFIRMED" },
     ]);
   });

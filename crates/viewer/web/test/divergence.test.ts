@@ -115,14 +115,14 @@ test("what was said last of a goal is found from any decision, ended goals inclu
 });
 
 describe("the address", () => {
-  const plain: Held = { layer: "map:interest", goal: undefined, tab: "goals", axis: "time", aspect: "value", split: "wipe", solid: false, probe: undefined, probed: "a" };
+  const plain: Held = { layer: "map:interest", goal: undefined, tab: "goals", axis: "time", aspect: "value", split: "wipe", solid: false, probe: undefined, probed: "a", subject: "a" };
 
   test("of an ordinary moment is its decision alone", () => {
     expect(written(7, plain)).toBe("#d=7");
   });
 
   test("holds all that is looked at, and gives it back", () => {
-    const all: Held = { layer: "read:a b&c=d", goal: 6, tab: "plans", axis: "decision", aspect: "between", split: "halves", solid: true, probe: { row: 34, col: 57 }, probed: "b" };
+    const all: Held = { layer: "read:a b&c=d", goal: 6, tab: "plans", axis: "decision", aspect: "between", split: "halves", solid: true, probe: { row: 34, col: 57 }, probed: "b", subject: "a" };
     expect(asked(written(12, all))).toEqual({ decision: 12, view: all });
   });
 

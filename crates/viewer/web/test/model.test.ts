@@ -65,7 +65,7 @@ test("the mission names its experts, and how layers are updated and which are of
 });
 
 test("terms wear the unit that ends their name", () => {
-  expect(term({ name: "energy_j", value: 1_447_197, limit: 1_443_851 })).toBe("energy 1.45 MJ against 1.44 MJ");
+  expect(term({ name: "energy_j", value: 1_447_197, limit: 1_443_851 })).toBe("energy 1.45 MJ against 1.44 MJ (+3.3 kJ)");
   expect(term({ name: "moved_m", value: 4.472 })).toBe("moved 4.5 m");
   expect(term({ name: "bound", value: undefined })).toBe("bound ∞");
 });

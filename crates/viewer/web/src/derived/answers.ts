@@ -3,7 +3,7 @@
 import type { Plane } from "../model/plane";
 import type { Cell, PlaneClass, Term } from "../model/types";
 import { entries, finite, items, member, text } from "./json";
-import type { CellValues, ExpertAt, Group, Index, Limits, Masses, Price, PriceTag, Prices } from "./types";
+import type { CellValues, ExpertAt, Group, Index, Limits, Masses, Price, PriceTag, Prices, WithIt } from "./types";
 
 const GROUPS: readonly Group[] = ["interest", "layer", "uncertainty", "ground", "mass", "credit"];
 
@@ -85,6 +85,14 @@ const priceOf = (answer: unknown): Price => {
   return why === undefined ? { kind: "unknown" } : { kind: "nothing", why, exact, terms: termsOf(member(answer, "terms")) };
 };
 
+const withItOf = (answer: unknown): WithIt | undefined => {
+  const [value, reliability] = [finite(member(answer, "value")), finite(member(answer, "reliability"))];
+  const [timeS, energyJ] = [finite(member(answer, "time_s")), finite(member(answer, "energy_j"))];
+  if (value === undefined || reliability === undefined || timeS === undefined || energyJ === undefined) return undefined;
+  const names = (key: string): string[] => items(member(answer, key)).flatMap((name) => text(name) ?? []);
+  return { order: names("order"), displaced: names("displaced"), value, reliability, timeS, energyJ, lever: text(member(answer, "lever")) };
+};
+
 export const pricesOf = (answer: unknown): Prices => {
   const left = member(answer, "limits");
   const limits: Limits = {
@@ -102,6 +110,7 @@ export const pricesOf = (answer: unknown): Prices => {
       reliability: priceOf(member(price, "reliability")),
       prize: priceOf(member(price, "prize")),
       interest: finite(member(price, "interest")),
+      withIt: withItOf(member(one, "with_it")),
     };
   });
   return { limits, tags };

@@ -56,6 +56,21 @@ export interface PriceTag {
   prize: Price;
   /** The interest that this prize asks for; above one it cannot be had. */
   interest: number | undefined;
+  /** The best plan that would hold it; none if none is known. */
+  withIt: WithIt | undefined;
+}
+
+/** A plan with a goal that was left out. */
+export interface WithIt {
+  /** Goals by their names, in their order. */
+  order: string[];
+  displaced: string[];
+  value: number;
+  reliability: number;
+  timeS: number;
+  energyJ: number;
+  /** What must be had more of for it: `energy`, `time` or `reliability`. */
+  lever: string | undefined;
 }
 
 /** What a decision had left, where it is told. */

@@ -40,6 +40,12 @@ export const aligned = (a: Moment, b: Moment, grid: GridSpec, radiusM: number): 
   return pairs;
 };
 
+/** The turn, from 1, that a goal's place has in a decision's sequence, if it is there at all. */
+export const turnOf = (goal: Goal, moment: Moment, grid: GridSpec, radiusM: number): number | undefined => {
+  const at = goalsOf(moment).findIndex((other) => samePlace(goal, other, grid, radiusM));
+  return at < 0 ? undefined : at + 1;
+};
+
 /** Whether two decisions chose alike. */
 export const choseAlike = (a: Moment, b: Moment, grid: GridSpec, radiusM: number): boolean =>
   a.act.name === b.act.name && aligned(a, b, grid, radiusM).every((pair) => pair.a && pair.b);
@@ -62,8 +68,16 @@ export const firstDivergence = (a: Run, b: Run): number | undefined => {
 export const sameGround = (a: GridSpec, b: GridSpec): boolean =>
   a.rows === b.rows && a.cols === b.cols && a.spacingM === b.spacingM && a.westM === b.westM && a.northM === b.northM;
 
-/** What the files say of the runs, key by key, in the order of the first; nothing where a file does not tell. */
+/** What sets runs apart on purpose comes first. */
+const FIRST: readonly string[] = ["rule", "policy", "seed"];
+const rank = (key: string): number => (FIRST.includes(key) ? FIRST.indexOf(key) : FIRST.length);
+
+/** Whether a fact is a digest: it says that something differs, not what. */
+export const isDigest = (key: string): boolean => key.endsWith("digest");
+
+/** What the files say of the runs, key by key: rule, policy and seed, then in the order of the first; nothing where a file does not tell. */
 export const factPairs = (a: Run, b: Run): { key: string; a: string | undefined; b: string | undefined }[] =>
   [...new Set([...Object.keys(a.facts.run), ...Object.keys(b.facts.run)])]
     .filter((key) => !key.startsWith("end."))
+    .sort((one, other) => rank(one) - rank(other))
     .map((key) => ({ key, a: a.facts.run[key], b: b.facts.run[key] }));

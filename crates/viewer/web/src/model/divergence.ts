@@ -130,14 +130,11 @@ const goalRows = (a: Judged | undefined, b: Judged | undefined, words: Words, in
     number("contradiction", "share", one?.contradiction, other?.contradiction),
     number("reliability so far", "chance", a?.reliability, b?.reliability),
     text("verdict", a?.verdict.action ?? "not known", b?.verdict.action ?? "not known"),
-    text("reason", reason(a?.verdict, itself), reason(b?.verdict, itself), reason(a?.verdict, itself) === reason(b?.verdict, inA) && sameTerms(a?.verdict.terms, b?.verdict.terms)),
+    text("reason", reason(a?.verdict, itself), reason(b?.verdict, itself), reason(a?.verdict, itself) === reason(b?.verdict, inA)),
     ...termRows(a?.verdict.terms ?? [], b?.verdict.terms ?? []),
     number("place in the order", "count", turn(a), turn(b)),
   ];
 };
-
-const sameTerms = (a: readonly Term[] = [], b: readonly Term[] = []): boolean =>
-  a.length === b.length && a.every((term, i) => term.name === b[i]?.name && term.value === b[i]?.value && term.limit === b[i]?.limit);
 
 const UNITS: readonly [RegExp, Quantity][] = [
   [/_j$/, "energy"],

@@ -17,6 +17,34 @@ const IDENTITY_RADIUS_M = 8;
 export const identityRadiusM = (mission: string): number =>
   Number(/^identity-radius-m\s*=\s*([\d.]+)/m.exec(mission)?.[1] ?? IDENTITY_RADIUS_M);
 
+/** What a mission that says nothing asks of a new plan. */
+const HYSTERESIS = 0.05;
+
+/** A number of one part of the file, as it was changed against the file if it was. */
+const numberOf = (part: string, key: string, overrides: string, path: string): number | undefined => {
+  const changed = overrides.split("\n").find((line) => line.startsWith(`${path}=`))?.slice(path.length + 1);
+  const found = changed ?? new RegExp(`^${key}\\s*=\\s*([^#\\n]*)`, "m").exec(part)?.[1]?.trim();
+  const value = found ? Number(found.replaceAll("_", "")) : Number.NaN;
+  return Number.isFinite(value) ? value : undefined;
+};
+
+/** By what share a new plan must be better than the committed one. */
+export const hysteresis = (mission: string, overrides: string): number | undefined => {
+  if (mission === "") return undefined;
+  const own = mission.split(/^\[goals\]/m)[1]?.split(/^\[/m)[0] ?? "";
+  return numberOf(own, "hysteresis", overrides, "goals.hysteresis") ?? HYSTERESIS;
+};
+
+/** Each directive's factor on the prize. */
+export const weights = (mission: string, overrides: string): Map<string, number> =>
+  new Map(
+    mission.split(/^\[\[directive\]\]/m).slice(1).flatMap((part, i): [string, number][] => {
+      const own = part.split(/^\[/m)[0] ?? "";
+      const name = /^name\s*=\s*"([^"]*)"/m.exec(own)?.[1];
+      return name === undefined ? [] : [[name, numberOf(own, "weight", overrides, `directive.${i}.weight`) ?? 1]];
+    }),
+  );
+
 interface LayerFacts {
   update: Update;
   unit: string;

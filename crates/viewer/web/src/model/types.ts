@@ -231,6 +231,10 @@ export interface RunFacts {
   experts: string[];
   /** Goals of one directive nearer than this are of one place. */
   identityRadiusM: number;
+  /** By what share a new plan must be better than the committed one; not known without the mission's file. */
+  hysteresis: number | undefined;
+  /** Each directive's factor on the prize. */
+  weights: ReadonlyMap<string, number>;
 }
 
 /** How whole the file is. */

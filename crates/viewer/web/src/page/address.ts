@@ -7,9 +7,9 @@ import type { Run } from "../model/run";
 import type { View } from "../state";
 
 /** What the address holds besides the decision. */
-export type Held = Pick<View, "layer" | "goal" | "tab" | "axis" | "aspect" | "split" | "solid" | "probe" | "probed">;
+export type Held = Pick<View, "layer" | "goal" | "tab" | "axis" | "aspect" | "split" | "solid" | "probe" | "probed" | "subject">;
 
-const DEFAULTS: Held = { layer: "map:interest", goal: undefined, tab: "goals", axis: "time", aspect: "value", split: "wipe", solid: false, probe: undefined, probed: "a" };
+const DEFAULTS: Held = { layer: "map:interest", goal: undefined, tab: "goals", axis: "time", aspect: "value", split: "wipe", solid: false, probe: undefined, probed: "a", subject: "a" };
 
 const among = <T extends string>(found: string | null, of: readonly T[], otherwise: T): T => of.find((one) => one === found) ?? otherwise;
 
@@ -27,6 +27,7 @@ export const written = (decision: number, view: Held): string => {
   if (view.axis !== DEFAULTS.axis) words.push(["axis", view.axis]);
   if (view.probe) words.push(["cell", `${view.probe.row},${view.probe.col}`]);
   if (view.probe && view.probed !== DEFAULTS.probed) words.push(["of", view.probed]);
+  if (view.subject !== DEFAULTS.subject) words.push(["run", view.subject]);
   // Colons and commas may stand in a fragment as they are.
   return `#${words.map(([key, value]) => `${key}=${encodeURIComponent(value).replaceAll("%3A", ":").replaceAll("%2C", ",")}`).join("&")}`;
 };
@@ -47,6 +48,7 @@ export const asked = (hash: string): { decision: number | undefined; view: Held 
       solid: words.get("view") === "3d",
       probe: row === undefined || col === undefined ? undefined : { row, col },
       probed: among(words.get("of"), ["a", "b"], DEFAULTS.probed),
+      subject: among(words.get("run"), ["a", "b"], DEFAULTS.subject),
     },
   };
 };
@@ -79,6 +81,11 @@ export class Address {
       this.read();
       changed();
     });
+  }
+
+  /** The run whose decision is asked for, while that is not shown yet. */
+  get subject(): "a" | "b" | undefined {
+    return this.wanted.view?.subject;
   }
 
   /** What can be shown by now of what was asked for, told once; a layer that is never offered is forgotten at the end. */

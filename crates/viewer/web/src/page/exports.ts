@@ -8,15 +8,16 @@ import { clock } from "../ui/format";
 import type { GoalTable } from "../ui/goals";
 import type { Ground } from "./ground";
 import { apart } from "./side";
+import { leadOf } from "./lead";
 import type { Sides } from "./side";
 
 /** Pixels of a picture to one of the page. */
 const FINENESS = 2;
 
 /** The flat map as a figure, with its title, legend and scale. */
-export const figureOf = (view: View, sides: Sides, ground: Ground): SVGSVGElement | undefined => {
+export const figureOf = (sides: Sides, ground: Ground): SVGSVGElement | undefined => {
   const run = sides.a?.run;
-  const moment = run?.moment(view.index);
+  const moment = run?.moment(sides.a?.index ?? 0);
   if (!run || !moment) return undefined;
   const { flat } = ground;
   const { viewport } = flat;
@@ -39,11 +40,11 @@ export const figureOf = (view: View, sides: Sides, ground: Ground): SVGSVGElemen
 const fileName = (view: View, sides: Sides, ending: string): string => {
   const run = sides.a?.run;
   const words = ["map", view.layer.replace(/^.*:/, ""), ...(view.aspect === "value" ? [] : [view.aspect])];
-  return run ? fileOf(run, run.moment(view.index), words.join("-"), ending) : `map.${ending}`;
+  return run ? fileOf(run, run.moment(sides.a?.index ?? 0), words.join("-"), ending) : `map.${ending}`;
 };
 
 export const saveSvg = (view: View, sides: Sides, ground: Ground): void => {
-  const svg = figureOf(view, sides, ground);
+  const svg = figureOf(sides, ground);
   if (svg) save(fileName(view, sides, "svg"), new Blob([new XMLSerializer().serializeToString(svg)], { type: "image/svg+xml" }));
 };
 
@@ -54,12 +55,12 @@ export const savePng = (view: View, sides: Sides, ground: Ground): void => {
     ground.canvas.toBlob((blob) => blob && save(name, blob));
     return;
   }
-  const svg = figureOf(view, sides, ground);
+  const svg = figureOf(sides, ground);
   if (svg) void figurePng(svg, FINENESS).then((blob) => save(name, blob));
 };
 
 export const saveCsv = (view: View, sides: Sides, goals: GoalTable): void => {
-  const run = sides.a?.run;
+  const run = leadOf(sides, view)?.run;
   const moment = run?.moment(view.index);
   if (!run || !moment) return;
   goals.show(moment, run.moment(view.index - 1), run.facts, view.goal);

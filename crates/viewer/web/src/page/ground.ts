@@ -22,6 +22,7 @@ import type { Choice } from "./choices";
 import { cautions, whyLacking, whyNone } from "./lacking";
 import type { Layers } from "./layers";
 import { apart } from "./side";
+import { leadOf } from "./lead";
 import type { Side, Sides } from "./side";
 import { Turns } from "./turns";
 
@@ -71,7 +72,7 @@ export class Ground {
   async show(): Promise<void> {
     const { a, b } = this.sides;
     const { view } = this.store;
-    if (!a?.run?.moment(view.index)) return;
+    if (!a?.run?.moment(a.index)) return;
     this.wait();
     this.draw();
     const alike = (): boolean => this.sides.a === a && this.sides.b === b;
@@ -95,9 +96,9 @@ export class Ground {
   private async fetch(a: Side, b: Side | undefined): Promise<boolean> {
     const { choice } = this.layers;
     const { view } = this.store;
-    const moment = a.run?.moment(view.index);
+    const moment = a.run?.moment(a.index);
     if (!moment) return true;
-    const state = (): string => `${view.layer}/${view.aspect}/${view.index}/${this.sides.b?.index}`;
+    const state = (): string => `${view.layer}/${view.aspect}/${this.sides.a?.index}/${this.sides.b?.index}`;
     const [was, indexA, indexB] = [state(), a.index, b?.index];
     // One may have moved on meanwhile.
     const current = (): boolean => this.sides.a === a && this.sides.b === b && state() === was;
@@ -123,7 +124,7 @@ export class Ground {
     this.draw();
     document.documentElement.dataset.drawn = String(moment.number);
     // What is likely to be wanted next; what must be worked out first waits until it is asked for.
-    const next = a.run?.moment(view.index + 1);
+    const next = a.run?.moment(a.index + 1);
     if (next && /^(map|read|doubt):/.test(view.layer)) a.planes.at(view.layer, next.number).catch(() => undefined);
     return true;
   }
@@ -227,7 +228,7 @@ export class Ground {
     const { view } = this.store;
     if (!run) return undefined;
     if (view.alternatives || view.option !== undefined) side.meetFamily(() => this.draw());
-    const first = side === this.sides.a;
+    const lead = side === leadOf(this.sides, view);
     // A layer comes a moment after its decision. Until then, or until that is said, goals stay with the layer that they are of.
     const held = this.waiting ? index : (side.planeIndex ?? index);
     return {
@@ -235,8 +236,8 @@ export class Ground {
       index: held,
       plane,
       relief: view.shaded ? relief : undefined,
-      goal: first ? view.goal : undefined,
-      option: first ? view.option : undefined,
+      goal: lead ? view.goal : undefined,
+      option: lead ? view.option : undefined,
       alternatives: view.alternatives,
       family: side.ways === "pending" ? undefined : side.ways,
     };

@@ -7,7 +7,7 @@ import type { Side, Sides } from "./side";
 
 /** Why there is no map. */
 export const whyNone = (view: View, sides: Sides): string => {
-  if (view.aspect === "change" && view.index === 0) return "There is no decision before this one.";
+  if (view.aspect === "change" && sides.a?.index === 0) return "There is no decision before this one.";
   if (view.aspect === "between" && apart(sides)) return "The grids of the two runs differ: their maps cannot be compared.";
   if (view.aspect === "between") return `Not both runs hold this map at these decisions.${sides.b?.lacks ? ` B: ${sides.b.lacks}.` : ""}`;
   return "There is no such map at this decision.";

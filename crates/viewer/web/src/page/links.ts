@@ -4,6 +4,7 @@ import type { Store } from "../state";
 import { Address, written } from "./address";
 import type { Layers } from "./layers";
 import { apart } from "./side";
+import { leadOf } from "./lead";
 import type { Sides } from "./side";
 
 export class Links {
@@ -25,13 +26,17 @@ export class Links {
     if (!a?.run) return;
     // Layers that are derived become known late, and what is of two runs only with the second.
     const ended = a.run.wholeness.kind !== "reading" && a.derivable !== undefined && (!b || b.run?.wholeness.kind !== "reading");
-    const { index, view } = this.address.found(a.run, this.layers.choices.map(({ id }) => id), ended);
+    const wanted = this.address.subject ?? this.store.view.subject;
+    const run = wanted === "b" && b ? b.run : a.run;
+    if (!run) return;
+    const { index, view } = this.address.found(run, this.layers.choices.map(({ id }) => id), ended);
     if (view) {
-      this.tab = view.tab !== "goals";
+      this.tab = view.tab !== "goals" || view.subject === "b";
       // An address that names no page leaves that of a second log, which may have been read to its end before.
       const tab = !this.followed && !this.tab && b?.run && this.store.view.tab === "other" ? "other" : view.tab;
       this.followed = true;
-      this.store.set(b && !apart(this.sides) ? { ...view, tab } : { ...view, tab, aspect: view.aspect === "between" ? "value" : view.aspect });
+      const aspect = view.aspect === "between" && (!b || apart(this.sides)) ? "value" : view.aspect;
+      this.store.set({ ...view, tab, aspect, ...(b ? {} : { subject: "a" as const }) });
     }
     if (index !== undefined) this.seek(index);
   }
@@ -55,6 +60,6 @@ export class Links {
   }
 
   private get decision(): number | undefined {
-    return this.sides.a?.run?.moment(this.store.view.index)?.number;
+    return leadOf(this.sides, this.store.view)?.run?.moment(this.store.view.index)?.number;
   }
 }

@@ -2,6 +2,7 @@
 
 import type { Store } from "../state";
 import { h } from "../ui/dom";
+import { leadOf } from "./lead";
 import type { Sides } from "./side";
 
 /** Decisions a second. */
@@ -68,6 +69,6 @@ export class Player {
   }
 
   private get last(): number {
-    return Math.max(0, (this.sides.a?.run?.moments.length ?? 1) - 1);
+    return Math.max(0, (leadOf(this.sides, this.store.view)?.run?.moments.length ?? 1) - 1);
   }
 }

@@ -5,6 +5,9 @@ import { h } from "../ui/dom";
 import { goalName } from "../ui/format";
 import { PUT_IN } from "../ui/notices";
 import { priceList } from "../ui/prices";
+import type { Beside } from "../ui/prices";
+import type { Store } from "../state";
+import { leadOf } from "./lead";
 import type { Side, Sides } from "./side";
 
 export class PriceTags {
@@ -12,21 +15,24 @@ export class PriceTags {
   private readonly tags = new Map<string, HTMLElement>();
   private of: Side | undefined;
 
-  constructor(private readonly sides: Sides) {}
+  constructor(
+    private readonly store: Store,
+    private readonly sides: Sides,
+  ) {}
 
   /** The place of a goal's prices. */
   tag(goal: number, decision: number): HTMLElement {
-    const { a } = this.sides;
-    if (this.of !== a) {
+    const side = leadOf(this.sides, this.store.view);
+    if (this.of !== side) {
       this.tags.clear();
-      this.of = a;
+      this.of = side;
     }
-    const key = `${decision}/${goal}/${a?.derivable !== undefined}`;
+    const key = `${decision}/${goal}/${side?.derivable !== undefined}`;
     const known = this.tags.get(key);
     if (known) return known;
     const made = h("div", { class: "price-tag", "aria-live": "polite" });
     this.tags.set(key, made);
-    const index = a?.derivable;
+    const index = side?.derivable;
     if (index && "unavailable" in index) made.append(h("p", { class: "sub" }, index.unavailable ? `no prices: ${index.unavailable}` : `what it would have taken: wisdom view LOG, or wisdom explain LOG; whoever sends this page puts it in by ${PUT_IN}`));
     // What is inside the page need not be waited for.
     else if (index?.inside) this.ask(made, goal, decision);
@@ -35,18 +41,26 @@ export class PriceTags {
   }
 
   private ask(place: HTMLElement, goal: number, decision: number): void {
-    const { a } = this.sides;
-    if (!a) return;
+    const { of: side } = this;
+    if (!side) return;
     place.replaceChildren(h("p", { class: "sub" }, "Being worked out; go on meanwhile …"));
-    a.derived.prices(decision).then(
-      (prices) => place.replaceChildren(told(prices, goal)),
+    side.derived.prices(decision).then(
+      (prices) => place.replaceChildren(told(prices, goal, besideOf(side, decision, goal))),
       (error: Error) => place.replaceChildren(h("p", { class: "sub" }, `It could not be worked out: ${error.message}`), h("button", { type: "button", onclick: () => this.ask(place, goal, decision) }, "Again")),
     );
   }
 }
 
-const told = (prices: Prices | undefined, goal: number): HTMLElement => {
+/** What the decision said of the goal, and the plan it chose. */
+const besideOf = ({ run }: Side, decision: number, goal: number): Beside | undefined => {
+  const index = run?.moments.findIndex(({ number }) => number === decision) ?? -1;
+  const [moment, verdict] = [run?.moment(index), run?.verdict(index, goal)];
+  const chosen = moment?.family[moment.chosen];
+  return verdict && chosen ? { reason: verdict.reason, value: chosen.value, reliability: chosen.reliability } : undefined;
+};
+
+const told = (prices: Prices | undefined, goal: number, beside: Beside | undefined): HTMLElement => {
   if (!prices) return h("p", { class: "sub" }, `The prices of this decision are not in this page; whoever sends it puts them in by ${PUT_IN}`);
   const tag = prices.tags.find((one) => one.goal === goalName(goal));
-  return tag ? priceList(tag, prices.limits) : h("p", { class: "sub" }, "It was not among the goals left out that have a price.");
+  return tag ? priceList(tag, prices.limits, beside) : h("p", { class: "sub" }, "It was not among the goals left out that have a price.");
 };

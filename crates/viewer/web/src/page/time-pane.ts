@@ -28,9 +28,9 @@ export class TimePane {
   }
 
   show(run: Run): void {
-    const { b } = this.sides;
-    const { index, axis, goal } = this.store.view;
-    this.timeline.show({ run, index, axis, goal, ...(b?.run && b.run.moments.length > 0 ? { other: { run: b.run, index: b.index } } : {}) });
+    const { a, b } = this.sides;
+    const { axis, goal, subject } = this.store.view;
+    this.timeline.show({ run, index: a?.index ?? 0, axis, goal, lead: b?.run ? subject : "a", ...(b?.run && b.run.moments.length > 0 ? { other: { run: b.run, index: b.index } } : {}) });
     this.axisLabel();
   }
 

@@ -1,6 +1,6 @@
 // A log being read: what was found, told in batches.
 
-import { experts, identityRadiusM } from "../model/mission";
+import { experts, hysteresis, identityRadiusM, weights } from "../model/mission";
 import type { Plane } from "../model/plane";
 import type { GridSpec, TopicCount, Wholeness } from "../model/types";
 import type { Relief } from "../view/relief";
@@ -120,6 +120,8 @@ export class LogReader {
         attachments: [...this.attachments].map(([name, data]) => ({ name, bytes: data.byteLength })),
         experts: experts(this.layers.mission),
         identityRadiusM: identityRadiusM(this.layers.mission),
+        hysteresis: hysteresis(this.layers.mission, this.run.overrides ?? ""),
+        weights: weights(this.layers.mission, this.run.overrides ?? ""),
       },
     });
   }

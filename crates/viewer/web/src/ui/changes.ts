@@ -5,7 +5,8 @@ import type { Run } from "../model/run";
 import type { Moment } from "../model/types";
 import { h } from "./dom";
 import { csvButton, fileName } from "./export";
-import { goalName, place, reason, share, term } from "./format";
+import { fromTo, goalName, place, reason, share, termOf } from "./format";
+import { changeSaying, saying } from "./sayings";
 import { changesTable } from "./tables";
 
 const WORDS: Record<ChangeKind, string> = {
@@ -29,12 +30,12 @@ export const changesPage = (run: Run, moment: Moment, changed: readonly GoalChan
     ),
     ...kinds.flatMap((kind) => {
       const these = changed.filter((change) => change.kind === kind);
-      return [h("h3", {}, `${WORDS[kind]} `, h("span", { class: "count" }, these.length)), h("ul", { class: "changes" }, these.map((change) => line(change, pick)))];
+      return [h("h3", {}, `${WORDS[kind]} `, h("span", { class: "count" }, these.length)), h("ul", { class: "changes" }, these.map((change) => line(change, moment, pick)))];
     }),
   ];
 };
 
-const line = (change: GoalChange, pick: (goal: number) => void): HTMLElement => {
+const line = (change: GoalChange, moment: Moment, pick: (goal: number) => void): HTMLElement => {
   const { goal } = change.verdict;
   const turn = (at: number | undefined): string => (at === undefined ? "" : `${at + 1}.`);
   const bits = [
@@ -42,16 +43,18 @@ const line = (change: GoalChange, pick: (goal: number) => void): HTMLElement => 
     change.kind === "left" ? `was ${turn(change.from)}` : "",
     change.kind === "moved" ? `${turn(change.from)} → ${turn(change.to)}` : "",
     change.targetWas ? `target ${place(change.targetWas)} → ${place(goal.target)}` : "",
-    change.prizeWas === undefined ? "" : `prize ${share(change.prizeWas)} → ${share(goal.prize)}`,
-    ...change.verdict.changes.map((one) => [one.transformation, one.reason, one.terms.map(term).join(", ")].filter(Boolean).join(" ")),
+    change.prizeWas === undefined ? "" : `prize ${fromTo(change.prizeWas, goal.prize, share)}`,
+    ...change.verdict.changes.map((one) => [one.transformation, one.reason, one.terms.map((of) => termOf(one.reason, of)).join(", ")].filter(Boolean).join(" ")),
     // Said already, if the goal itself changed for it.
     change.kind === "altered" || change.verdict.changes.some((one) => one.reason === change.verdict.reason) ? "" : reason(change.verdict),
   ].filter(Boolean);
+  const own = change.verdict.changes.map((one) => changeSaying(one.transformation, one.reason));
+  const told = [...new Set([...own, saying(change.verdict, moment)])].filter(Boolean).join(" ");
   return h(
     "li",
-    {},
+    { title: told },
     h("button", { type: "button", class: "goal-link", onclick: () => pick(goal.id) }, goalName(goal.id)),
     h("span", { class: "sub" }, goal.directive),
-    h("span", {}, bits.join(" · ")),
+    h("span", {}, bits.join(" · "), h("span", { class: "saying" }, told)),
   );
 };

@@ -3,12 +3,13 @@
 import { changes } from "../model/changes";
 import { STATES, reliability, stateLabel, stateOf } from "../model/states";
 import type { GoalState } from "../model/states";
-import type { Moment, RunFacts, Verdict } from "../model/types";
+import type { Goal, Moment, RunFacts, Verdict } from "../model/types";
 import { OKABE } from "../view/colour";
 import { markIcon } from "../view/marks";
 import { h } from "./dom";
 import { csv } from "./export";
-import { chance, goalName, place, reason, share, term } from "./format";
+import { chance, goalName, place, reason, share, termOf } from "./format";
+import { changeSaying, saying } from "./sayings";
 import { goalsTable } from "./tables";
 
 type Column = "turn" | "goal" | "interest" | "prize" | "reliability" | "verdict";
@@ -143,8 +144,8 @@ export class GoalTable {
   private header(): void {
     const columns: [Column, string, string][] = [
       ["goal", "Goal", "name and directive"],
-      ["interest", "Interest", "Bel(I) at the target, or what the goal's kind reads"],
-      ["prize", "Prize", "directive weight times prize at the target"],
+      ["interest", "Interest", "Bel(I) at the target"],
+      ["prize", "Prize", "the directive's weight times the prize of the map at the target"],
       ["reliability", "R so far", "chance to get as far as this goal by the chosen plan"],
       ["verdict", "Verdict and reason", "what was done with it, why, and the numbers compared"],
     ];
@@ -219,7 +220,7 @@ export class GoalTable {
       h("td", { class: "number" }, share(goal.interest)),
       h("td", { class: "number" }, share(goal.prize)),
       h("td", { class: "number" }, so === undefined ? "·" : chance(so)),
-      h("td", { class: "why" }, h("b", {}, verdict.action), " ", reason(verdict)),
+      h("td", { class: "why", title: saying(verdict, moment) }, h("b", {}, verdict.action), " ", reason(verdict), h("div", { class: "saying" }, saying(verdict, moment))),
     );
     return row;
   }
@@ -248,7 +249,8 @@ export class GoalTable {
     event.stopPropagation();
   }
 
-  private detail({ goal, changes: own, steps, cause, action, turn }: Verdict, moment: Moment, facts: RunFacts): HTMLTableRowElement {
+  private detail(verdict: Verdict, moment: Moment, facts: RunFacts): HTMLTableRowElement {
+    const { goal, changes: own, steps, cause, action, turn } = verdict;
     const total = goal.credit.reduce((sum, part) => sum + Math.abs(part), 0) || 1;
     const name = (i: number): string => facts.experts[i] ?? `expert ${i + 1}`;
     const bar = h("div", { class: "credit", role: "img", "aria-label": "share of each expert in the interest" });
@@ -284,12 +286,14 @@ export class GoalTable {
       h(
         "td",
         { colspan: 5 },
+        h("p", { class: "meaning" }, saying(verdict, moment)),
+        h("p", {}, h("b", {}, "prize "), prizeParts(goal, facts)),
         goal.credit.length > 0 && h("p", { class: "credit-title" }, h("b", {}, "Credit"), ", each expert's exact share of the interest", goal.credit.some((part) => part < 0) ? "; striped: below 0, it speaks against" : ""),
         goal.credit.length > 0 && bar,
         goal.credit.length > 0 && key,
         h("dl", {}, facts_.flatMap(([label, value]) => [h("div", {}, h("dt", {}, label), h("dd", {}, value))])),
         own.map((change) =>
-          h("p", {}, h("b", {}, change.transformation), ` ${change.reason}`, change.other === undefined ? "" : ` ${goalName(change.other)}`, change.terms.length > 0 ? `: ${change.terms.map(term).join(", ")}` : ""),
+          h("p", { title: changeSaying(change.transformation, change.reason) }, h("b", {}, change.transformation), ` ${change.reason}`, change.other === undefined ? "" : ` ${goalName(change.other)}`, change.terms.length > 0 ? `: ${change.terms.map((of) => termOf(change.reason, of)).join(", ")}` : "", h("span", { class: "sub" }, ` ${changeSaying(change.transformation, change.reason)}`)),
         ),
         steps.length > 0 &&
           h("p", { class: "life" }, [steps[0]?.from ?? "", ...steps.map((step) => `${step.to}${step.outcome ? ` (${step.outcome})` : ""}`)].join(" › ")),
@@ -299,3 +303,11 @@ export class GoalTable {
     );
   }
 }
+
+/** What the prize is made of, where the mission's file tells the weight; a command names its own. */
+const prizeParts = ({ directive, prize, commanded }: Goal, { weights, run }: RunFacts): string => {
+  const weight = weights.get(directive);
+  if (commanded) return `${chance(prize)}, as commanded`;
+  if (weight === undefined || weight <= 0) return chance(prize);
+  return `${chance(prize)} = weight ${weight} of ${directive} × unweighted prize ${chance(prize / weight)}${run.prize ? ` (the map's, by ${run.prize})` : ""}`;
+};

@@ -4,6 +4,7 @@ import type { Run } from "../model/run";
 import { stateOf } from "../model/states";
 import type { Moment } from "../model/types";
 import { markIcon } from "../view/marks";
+import { firstWords, heldLine } from "./choice";
 import { h } from "./dom";
 import { chance, clock, energy, goalName, metres, place, plain, trigger } from "./format";
 
@@ -19,7 +20,7 @@ export const decisionHead = (run: Run, moment: Moment, picked: number | undefine
       "div",
       { class: "title" },
       h("button", { type: "button", class: "step", title: "Decision before (←)", "aria-label": "Decision before", onclick: () => handlers.step(-1) }, "‹"),
-      h("h2", {}, `Decision ${moment.number}`, h("small", { class: "of" }, ` of ${run.moments.length}`)),
+      h("h2", {}, `Decision ${moment.number}`, h("small", { class: "of" }, ofWords(run))),
       h("button", { type: "button", class: "step", title: "Next decision (→)", "aria-label": "Next decision", onclick: () => handlers.step(1) }, "›"),
       h("p", { class: "where" }, `${clock(moment.timeS)} · ${metres(moment.spent.lengthM)} driven · rover at ${place(moment.pose)}`),
     ),
@@ -29,7 +30,7 @@ export const decisionHead = (run: Run, moment: Moment, picked: number | undefine
       ? h(
           "div",
           { class: "numbers" },
-          figure("value", plain(chosen.value)),
+          figure("value", plain(chosen.value, 1)),
           figure("reliability", chance(chosen.reliability)),
           figure("time", clock(chosen.timeS)),
           figure("energy", energy(chosen.energyJ)),
@@ -40,19 +41,25 @@ export const decisionHead = (run: Run, moment: Moment, picked: number | undefine
   ];
 };
 
+/** The numbers that a run's decisions have: the last of them is the last decision. */
+export const ofWords = ({ moments }: Run): string => ` of ${moments[0]?.number ?? 0} … ${moments.at(-1)?.number ?? 0}`;
+
 const story = (run: Run, moment: Moment): HTMLElement => {
   const outcome = run.outcomes.get(moment.number);
   const { act } = moment;
   const drive = act.name === "pursue" && act.lengthM === 0 ? ", from where it stands" : act.lengthM > 0 ? `, ${metres(act.lengthM)} in ${clock(act.timeS)}, reliability ${chance(act.reliability)}` : "";
   const what = act.name === "pursue" && act.goal !== undefined ? `pursue ${goalName(act.goal)}` : act.name;
   const wake = act.wake ? `, until ${act.wake}` : "";
+  const [held, first] = [heldLine(moment, run.facts.hysteresis), firstWords(moment)];
   return h(
     "dl",
     { class: "story" },
     h("dt", {}, "because"),
     h("dd", {}, moment.triggers.map((one) => h("span", { class: "trigger" }, trigger(one)))),
     h("dt", {}, "so"),
-    h("dd", {}, h("b", {}, what), drive, wake, moment.held ? h("span", { class: "pill", title: "The committed sequence stays: another is better, but not by enough" }, "held") : ""),
+    h("dd", {}, h("b", {}, what), drive, wake),
+    ...(held ? [h("dt", {}, "held"), h("dd", { class: "held" }, held)] : []),
+    ...(first && act.name === "pursue" ? [h("dt", {}, "first"), h("dd", { class: "first" }, first)] : []),
     ...(outcome
       ? [
           h("dt", {}, "came of it"),

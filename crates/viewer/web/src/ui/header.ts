@@ -109,10 +109,19 @@ export class Header {
 const fact = (label: string, value: string | undefined): HTMLElement | undefined =>
   value ? h("span", { class: "fact", title: value }, h("span", { class: "label" }, label), value) : undefined;
 
+/** How a run ended, by the log's word for it. */
+const ENDS: Readonly<Record<string, string>> = {
+  waiting: "ended with nothing left to do",
+  "budget-spent": "ended with the budget spent",
+  "decision-limit": "ended at the limit of decisions",
+  stopped: "was stopped from outside",
+  failed: "the run failed",
+};
+
 const state = (run: Run): string => {
   switch (run.wholeness.kind) {
     case "whole":
-      return `complete, ${run.end["end.status"] ?? "ended"}`;
+      return `complete: ${ENDS[run.end["end.status"] ?? ""] ?? run.end["end.status"] ?? "ended"}`;
     case "reading":
       return "reading …";
     case "unfinished":

@@ -22,6 +22,7 @@ const KEYS: readonly [string, string][] = [
   ["o", "open a log"],
   ["c", "open a second log beside it"],
   ["b", "two runs by a wipe, side by side, or as a difference; [ and ] move the wipe"],
+  ["x", "the decision of run A or of run B beside the map; that run leads the cursor"],
   ["f", "to the first decision that the two runs took otherwise, term by term"],
   ["y", "copy the link to what is looked at"],
   ["?", "this list"],

@@ -7,7 +7,7 @@ import type { Store, Tab } from "../state";
 import { changesPage } from "./changes";
 import { h } from "./dom";
 import { GoalTable } from "./goals";
-import { decisionHead } from "./head";
+import { decisionHead, ofWords } from "./head";
 import { OtherPage } from "./other";
 import { PlansPage } from "./plans";
 import { RunPage } from "./runpage";
@@ -19,6 +19,8 @@ export interface PanelHandlers {
   close(): void;
   pick(goal: number | undefined): void;
   option(option: number | undefined): void;
+  /** Lets the panel tell of the other run. */
+  turn(subject: "a" | "b"): void;
   /** What it would have taken to bring a goal in. */
   price(goal: number, decision: number): HTMLElement;
   attachment(name: string): Promise<Uint8Array<ArrayBuffer> | undefined>;
@@ -32,10 +34,17 @@ const TABS: readonly [Tab, string][] = [
   ["other", "A and B"],
 ];
 
-interface Second {
+/** A run, and the decision it stands at. */
+interface Stand {
   run: Run;
   index: number;
 }
+
+/** What sets a run apart from the other, in a word or two. */
+const apart = (run: Run, other: Run): string => {
+  const words = ["rule", "policy", "seed"].flatMap((key) => (run.facts.run[key] === other.facts.run[key] ? [] : [key === "seed" ? `seed ${run.facts.run[key]}` : (run.facts.run[key] ?? "")]));
+  return words.filter(Boolean).join(", ") || run.facts.name;
+};
 
 export class Panel {
   readonly goals: GoalTable;
@@ -43,6 +52,7 @@ export class Panel {
   readonly run: RunPage;
   private readonly plans: PlansPage;
   private readonly head = h("div", { class: "decision" });
+  private readonly switch = h("div", { class: "subject", role: "group", "aria-label": "Run told of (x)", hidden: true });
   private readonly tabs = h("div", { class: "tabs", role: "tablist", "aria-label": "About this decision" });
   private readonly pages: Record<Tab, HTMLElement>;
   private offered: readonly Tab[] = [];
@@ -60,32 +70,32 @@ export class Panel {
     this.other = new OtherPage(this.pages.other, handlers);
     this.pages.goals.append(this.goals.element);
     this.tabs.addEventListener("keydown", (event) => this.tabKey(event));
-    element.append(this.head, this.tabs, h("div", { class: "pages" }, Object.values(this.pages)));
+    element.append(this.switch, this.head, this.tabs, h("div", { class: "pages" }, Object.values(this.pages)));
   }
 
-  show(run: Run, second: Second | undefined): void {
+  show(first: Stand, second: Stand | undefined): void {
     const { view } = this.store;
-    const moment = run.moment(view.index);
-    const before = run.moment(view.index - 1);
-    const changed = moment ? changes(moment, before) : [];
+    const { run, index } = this.lead(first, second);
+    const moment = run.moment(index);
+    const changed = moment ? changes(moment, run.moment(index - 1)) : [];
     this.offered = TABS.map(([tab]) => tab).filter((tab) => tab === "run" || (moment && (tab !== "other" || second)));
     const shown = this.offered.includes(view.tab) ? view.tab : (this.offered[0] ?? "run");
+    this.subjects(first, second);
     this.tabBar(moment, changed.length, shown);
     if (moment) this.head.replaceChildren(...decisionHead(run, moment, view.goal, this.handlers));
     else this.head.replaceChildren(h("div", { class: "title" }, h("h2", {}, "No decision")));
-    this.page(shown, run, moment, second);
+    this.page(shown, first, second);
   }
 
   /** How many decisions there are by now. */
   count(run: Run): void {
     const of = this.head.querySelector(".of");
-    if (of) of.textContent = ` of ${run.moments.length}`;
+    if (of) of.textContent = ofWords(run);
   }
 
   /** All pages, for print: on the screen only the one in sight is made. */
-  showAll(run: Run, second: Second | undefined): void {
-    const moment = run.moment(this.store.view.index);
-    for (const tab of this.offered) this.page(tab, run, moment, second);
+  showAll(first: Stand, second: Stand | undefined): void {
+    for (const tab of this.offered) this.page(tab, first, second);
     this.goals.finish();
   }
 
@@ -94,16 +104,40 @@ export class Panel {
     return { head: this.head, pages: TABS.filter(([tab]) => this.offered.includes(tab)).map(([tab, title]) => ({ title, page: this.pages[tab] })) };
   }
 
-  private page(tab: Tab, run: Run, moment: Moment | undefined, second: Second | undefined): void {
+  /** The run that the panel tells of. */
+  private lead(first: Stand, second: Stand | undefined): Stand {
+    return (this.store.view.subject === "b" && second) || first;
+  }
+
+  /** Which of two runs is told of, to be seen and changed. */
+  private subjects(first: Stand, second: Stand | undefined): void {
+    this.switch.hidden = second === undefined;
+    if (!second) return;
+    const told = this.lead(first, second) === second ? "b" : "a";
+    const focused = this.switch.contains(document.activeElement);
+    const button = (of: "a" | "b", { run, index }: Stand, other: Run): HTMLElement =>
+      h(
+        "button",
+        { type: "button", "aria-pressed": String(of === told), title: `${run.facts.name}: the panel tells of this run (x)`, onclick: () => this.handlers.turn(of) },
+        h("b", {}, of.toUpperCase()),
+        ` ${apart(run, other)}, decision ${run.moment(index)?.number ?? "none"}`,
+      );
+    this.switch.replaceChildren(button("a", first, second.run), button("b", second, first.run));
+    if (focused) this.switch.querySelector<HTMLElement>('[aria-pressed="true"]')?.focus();
+  }
+
+  private page(tab: Tab, first: Stand, second: Stand | undefined): void {
     const { view } = this.store;
-    if (tab === "run") this.run.show(run, view.index, moment);
+    const { run, index } = this.lead(first, second);
+    const moment = run.moment(index);
+    if (tab === "run") this.run.show(run, index, moment);
     if (!moment) return;
-    const before = run.moment(view.index - 1);
+    const before = run.moment(index - 1);
     if (tab === "goals") this.goals.show(moment, before, run.facts, view.goal);
     if (tab === "changes") this.pages.changes.replaceChildren(...changesPage(run, moment, changes(moment, before), before, this.handlers.pick));
     if (tab === "plans") this.plans.show(run, moment, view.option);
-    const other = second?.run.moment(second.index);
-    if (tab === "other" && second && other) this.other.show({ run, index: view.index, moment }, { run: second.run, index: second.index, moment: other });
+    const [one, other] = [first.run.moment(first.index), second?.run.moment(second.index)];
+    if (tab === "other" && second && one && other) this.other.show({ ...first, moment: one }, { ...second, moment: other });
   }
 
   private tabBar(moment: Moment | undefined, changed: number, shown: Tab): void {

@@ -1,9 +1,13 @@
 // The plan family: as a plot and as a table, with what was proven about the choice.
 
+import { bestFound, variants } from "../model/choice";
 import type { Run } from "../model/run";
-import type { Moment } from "../model/types";
+import type { Moment, PlanOption } from "../model/types";
 import { MEASURES, familyFigure, familyPlot, orderOf } from "../view/family";
 import type { Measure } from "../view/family";
+import { heldWords } from "./choice";
+import { excess } from "./compared";
+import type { Writer } from "./compared";
 import { h } from "./dom";
 import { csvButton, figureButtons, fileName } from "./export";
 import { chance, clock, energy, plain } from "./format";
@@ -12,7 +16,11 @@ import { plansTable } from "./tables";
 export class PlansPage {
   private across: Measure = "prize";
   private up: Measure = "reliability";
-  private shown = "";
+  /** Whether the table tells differences to the chosen plan. */
+  private less = false;
+  /** Orders whose variants are open, by their goals. */
+  private readonly open = new Set<string>();
+  private shown: { moment: Moment; across: Measure; up: Measure } | undefined;
 
   constructor(
     private readonly page: HTMLElement,
@@ -20,16 +28,17 @@ export class PlansPage {
   ) {}
 
   show(run: Run, moment: Moment, picked: number | undefined): void {
-    const shown = `${run.facts.name}/${moment.number}/${this.across}/${this.up}`;
+    const { shown, across, up } = this;
     // Pointing at a member must not rebuild what is pointed at.
-    if (shown !== this.shown || this.page.childElementCount === 0) this.build(run, moment);
-    this.shown = shown;
+    if (shown?.moment !== moment || shown.across !== across || shown.up !== up) this.build(run, moment);
+    this.shown = { moment, across, up };
     for (const one of this.page.querySelectorAll<Element>("[data-option]")) one.classList.toggle("picked", one.getAttribute("data-option") === String(picked));
   }
 
   private build(run: Run, moment: Moment): void {
     this.page.replaceChildren(
-      h("p", { class: "note" }, proof(moment)),
+      h("p", { class: "note proof" }, proof(moment)),
+      ...heldNote(moment, run.facts.hysteresis),
       h(
         "p",
         { class: "tools" },
@@ -40,9 +49,9 @@ export class PlansPage {
         ...figureButtons("the plot", (ending) => fileName(run, moment, "plans", ending), () => familyFigure(moment, this.across, this.up)),
       ),
       familyPlot(moment, this.across, this.up, undefined, { point: this.point }),
-      h("p", { class: "sub" }, "The diamond is the plan chosen; the larger a mark, the more energy."),
+      h("p", { class: "sub" }, `The diamond is the plan chosen${bestFound(moment) === undefined ? "" : ", the square the best found"}; the larger a mark, the more energy.`),
       h("p", { class: "sub" }, `The chosen plan by each policy: ${objectiveLines(moment) || "not logged"}.`),
-      h("p", { class: "tools" }, h("b", {}, "The family"), h("span", { class: "spring" }), csvButton("the plans", () => fileName(run, moment, "plans", "csv"), () => plansTable(moment))),
+      h("p", { class: "tools" }, h("b", {}, "The family"), this.lessButton(moment), h("span", { class: "spring" }), csvButton("the plans", () => fileName(run, moment, "plans", "csv"), () => plansTable(moment))),
       this.table(moment),
     );
   }
@@ -57,39 +66,85 @@ export class PlansPage {
     return select;
   }
 
+  private lessButton(moment: Moment): HTMLElement {
+    const button = h("button", { type: "button", class: "less", "aria-pressed": String(this.less) }, "differences to the chosen");
+    button.addEventListener("click", () => {
+      this.less = !this.less;
+      button.setAttribute("aria-pressed", String(this.less));
+      this.page.querySelector(".plan-table")?.replaceWith(this.table(moment));
+    });
+    return button;
+  }
+
   private table(moment: Moment): HTMLElement {
-    const rows = moment.family.map((one, index) =>
-      h(
-        "tr",
-        {
-          tabindex: 0,
-          class: index === moment.chosen ? "chosen" : "",
-          onpointerenter: () => this.point(index),
-          onpointerleave: () => this.point(undefined),
-          onfocus: () => this.point(index),
-          "data-option": index,
-        },
-        h("td", { class: "number" }, plain(one.prize)),
-        h("td", { class: "number" }, plain(one.value)),
-        h("td", { class: "number" }, chance(one.reliability)),
-        h("td", { class: "number" }, clock(one.timeS)),
-        h("td", { class: "number" }, energy(one.energyJ)),
-        h("td", { class: "order" }, index === moment.chosen ? h("b", {}, "chosen ") : "", orderOf(one)),
-      ),
-    );
     return h(
       "table",
       { class: "plan-table" },
       h("thead", {}, h("tr", {}, ["interest", "value", "reliability", "time", "energy", "order"].map((label) => h("th", { scope: "col" }, label)))),
-      h("tbody", {}, rows),
+      h("tbody", {}, variants(moment).flatMap(({ shown, folded }) => this.group(moment, shown, folded))),
+    );
+  }
+
+  /** Plans of one order: those that matter, and the others on request. */
+  private group(moment: Moment, shown: readonly number[], folded: readonly number[]): HTMLElement[] {
+    const key = moment.family[shown[0] ?? 0]?.order.join() ?? "";
+    const rest = folded.map((index) => this.row(moment, index));
+    const words = (): string => `${this.open.has(key) ? "▾" : "▸"} +${folded.length} way${folded.length === 1 ? "" : "s"}`;
+    const show = (): void => {
+      for (const row of rest) row.hidden = !this.open.has(key);
+    };
+    show();
+    const fold = h("button", { type: "button", class: "fold", title: "the same goals in the same order, by other ways", "aria-expanded": String(this.open.has(key)) }, words());
+    fold.addEventListener("click", () => {
+      if (!this.open.delete(key)) this.open.add(key);
+      fold.textContent = words();
+      fold.setAttribute("aria-expanded", String(this.open.has(key)));
+      show();
+    });
+    return [...shown.map((index, i) => this.row(moment, index, folded.length > 0 && i === shown.length - 1 ? fold : undefined)), ...rest];
+  }
+
+  private row(moment: Moment, index: number, fold?: HTMLElement): HTMLElement {
+    const one = moment.family[index];
+    if (!one) return h("tr");
+    const chosen = moment.family[moment.chosen];
+    const number = (of: (plan: PlanOption) => number, write: Writer): HTMLElement =>
+      h("td", { class: "number" }, this.less && chosen && index !== moment.chosen ? excess(of(one), of(chosen), write).replace("equal", "=") : write(of(one)));
+    return h(
+      "tr",
+      {
+        tabindex: 0,
+        class: index === moment.chosen ? "chosen" : "",
+        onpointerenter: () => this.point(index),
+        onpointerleave: () => this.point(undefined),
+        onfocus: () => this.point(index),
+        "data-option": index,
+      },
+      number(({ prize }) => prize, finer),
+      number(({ value }) => value, finer),
+      number(({ reliability }) => reliability, chance),
+      number(({ timeS }) => timeS, clock),
+      number(({ energyJ }) => energyJ, energy),
+      h("td", { class: "order" }, index === moment.chosen ? h("b", {}, "chosen ") : "", index === bestFound(moment) ? h("b", {}, "best found ") : "", orderOf(one), fold ? " " : "", fold),
     );
   }
 }
 
-const proof = (moment: Moment): string =>
-  moment.proof === "proven"
-    ? `Proven: no better sequence of the ${moment.shortlist} goals searched (${moment.expansions} labels).`
-    : `The search was cut after ${moment.expansions} labels${moment.bound === undefined ? "" : `; no sequence is worth more than ${plain(moment.bound)}`}.`;
+/** Plans of one family are near to each other: a digit more than usual tells them apart. */
+const finer: Writer = (value, more = 0) => plain(value, more + 1);
+
+/** What was proven is said of the best found: that need not be the one chosen. */
+const proof = (moment: Moment): string => {
+  if (moment.proof !== "proven") return `The search was cut after ${moment.expansions} labels${moment.bound === undefined ? "" : `; no sequence is worth more than ${plain(moment.bound)}`}.`;
+  const best = moment.family[bestFound(moment) ?? -1];
+  const which = best ? `better than the best found, which is not the one chosen (value ${plain(best.value, 1)}),` : "better";
+  return `Proven: no sequence ${which} of the ${moment.shortlist} goals searched (${moment.expansions} labels).`;
+};
+
+const heldNote = (moment: Moment, hysteresis: number | undefined): HTMLElement[] => {
+  const words = heldWords(moment, hysteresis);
+  return words ? [h("p", { class: "note held" }, h("b", {}, "Held: "), words, ".")] : [];
+};
 
 const objectiveLines = (moment: Moment): string =>
   (moment.family[moment.chosen]?.objectives ?? []).map(({ name, value }) => `${name} ${plain(value)}`).join(", ");

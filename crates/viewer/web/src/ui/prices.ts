@@ -2,7 +2,7 @@
 
 import type { Limits, Price, PriceTag } from "../derived/types";
 import { h } from "./dom";
-import { chance, clock, energy, term } from "./format";
+import { against, chance, clock, energy, plain, term } from "./format";
 
 /** What stands in the way, as a sentence goes on. */
 const BARRIERS: Record<string, string> = {
@@ -19,8 +19,14 @@ const BARRIERS: Record<string, string> = {
   "search-cut": "no sequence with it was met",
 };
 
+/** Reasons that are no lever. */
+const UNPRICED: Record<string, string> = {
+  data: "not priced: data volume is no lever",
+  window: "not priced: windows are no lever",
+};
+
 /** By what a decision could have been changed, and the price of it. */
-export const priceLines = (tag: PriceTag, limits: Limits): { levers: string; words: string }[] => {
+export const priceLines = (tag: PriceTag, limits: Limits, reason = ""): { levers: string; words: string }[] => {
   const instead = (was: number | undefined, change: number, written: (value: number) => string): string =>
     was === undefined ? "" : ` (${written(was + change)} instead of ${written(was)})`;
   const all: [string, string][] = [
@@ -29,6 +35,9 @@ export const priceLines = (tag: PriceTag, limits: Limits): { levers: string; wor
     ["floor", priced(tag.reliability, (x) => `reliability floor ${chance(x)} lower${instead(limits.minReliability, -x, chance)}`)],
     ["interest", priced(tag.prize, (x) => interest(tag, x))],
   ];
+  // What stands in the way is always spoken of, if only to say that it has no price.
+  const unpriced = UNPRICED[reason];
+  if (unpriced) all.unshift([reason, unpriced]);
   // Levers of which the same is to be said share a line.
   const lines: { levers: string; words: string }[] = [];
   for (const [lever, words] of all) {
@@ -58,6 +67,36 @@ const priced = (price: Price, words: (change: number) => string): string => {
   return `${words(price.least)}${known}${applied}`;
 };
 
-export const priceList = (tag: PriceTag, limits: Limits): HTMLElement =>
-  h("dl", { class: "prices" }, priceLines(tag, limits).flatMap(({ levers, words }) => [h("dt", {}, levers), h("dd", {}, words)]));
+/** What the decision chose, to hold a plan with the goal against. */
+export interface Beside {
+  reason: string;
+  value: number;
+  reliability: number;
+}
 
+const LEVERS: Record<string, string> = {
+  energy: "with the energy it asks for",
+  time: "with the time it asks for",
+  reliability: "with the floor it asks for",
+};
+
+/** The best plan with the goal in it: "G8 › G6: value 8.527 (−0.0061), …; displaces G10 (with the energy it asks for)". */
+export const withItLine = ({ withIt }: PriceTag, beside: Beside | undefined): string | undefined => {
+  if (!withIt) return undefined;
+  const { order, displaced, value, reliability, timeS, energyJ, lever } = withIt;
+  const numbers = [
+    `value ${beside ? against(value, beside.value, plain) : plain(value)}`,
+    `reliability ${beside ? against(reliability, beside.reliability, chance) : chance(reliability)}`,
+    clock(timeS),
+    energy(energyJ),
+  ];
+  const out = displaced.length > 0 ? `displaces ${displaced.join(", ")}` : "displaces nothing";
+  const by = lever === undefined ? "" : ` (${LEVERS[lever] ?? lever})`;
+  return `${order.join(" › ")}: ${numbers.join(", ")}; ${out}${by}`;
+};
+
+export const priceList = (tag: PriceTag, limits: Limits, beside?: Beside): HTMLElement => {
+  const plan = withItLine(tag, beside);
+  const lines = [...priceLines(tag, limits, beside?.reason), ...(plan === undefined ? [] : [{ levers: "with it", words: plan }])];
+  return h("dl", { class: "prices" }, lines.flatMap(({ levers, words }) => [h("dt", {}, levers), h("dd", {}, words)]));
+};

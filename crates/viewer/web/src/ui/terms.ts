@@ -39,7 +39,9 @@ const less = ({ a, b, of }: Row): string => {
 /** Both sides in words; in all their digits if they differ by less than is written. */
 const sidesOf = (row: Row): [string, string] => {
   const [a, b] = [told(row.a, row.of, false), told(row.b, row.of, false)];
-  return a === b && !row.same ? [told(row.a, row.of, true), told(row.b, row.of, true)] : [a, b];
+  if (a !== b || row.same) return [a, b];
+  // Names are each run's own: the same words may be of other places.
+  return row.of === "text" ? [a, `${b} (of another place)`] : [told(row.a, row.of, true), told(row.b, row.of, true)];
 };
 
 /** A goal that one run alone knows differs in everything: its verdict says enough at first. */

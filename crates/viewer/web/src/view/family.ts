@@ -1,6 +1,7 @@
 // The plan family as a plot: interest against the chance to carry it out, or any two of a plan's numbers; the size of
 // a mark is energy.
 
+import { bestFound } from "../model/choice";
 import type { Moment, PlanOption } from "../model/types";
 import { s } from "../ui/dom";
 import { chance, clock, energy, goalName, metres, plain } from "../ui/format";
@@ -60,6 +61,8 @@ const padded = (values: readonly number[]): [number, number] => {
 
 export const orderOf = (option: PlanOption): string => option.order.map(goalName).join(" › ") || "nothing";
 
+/** The best found, where another was kept. */
+const SQUARE = (r: number): string => `M${-r} ${-r}H${r}V${r}H${-r}Z`;
 const CIRCLE = (r: number): string => `M${-r} 0A${r} ${r} 0 1 1 ${r} 0A${r} ${r} 0 1 1 ${-r} 0Z`;
 /** The chosen plan has corners: colour is never the only sign. */
 const DIAMOND = (r: number): string => `M0 ${-r * 1.35}L${r * 1.35} 0L0 ${r * 1.35}L${-r * 1.35} 0Z`;
@@ -83,8 +86,10 @@ export const familyPlot = (moment: Moment, across: Measure, up: Measure, picked:
 
   const [low, high] = [Math.min(...numbers("energyJ")), Math.max(...numbers("energyJ"))];
   const radius = (one: PlanOption): number => 4 + (high > low ? (5 * (one.energyJ / 1e6 - low)) / (high - low) : 2);
+  const best = bestFound(moment);
+  const rank = (index: number): number => (index === moment.chosen ? 2 : index === best ? 1 : 0);
   // The chosen plan last, so that it lies on top.
-  const order = moment.family.map((_, index) => index).sort((a, b) => Number(a === moment.chosen) - Number(b === moment.chosen));
+  const order = moment.family.map((_, index) => index).sort((a, b) => rank(a) - rank(b));
   for (const index of order) {
     const one = moment.family[index];
     if (!one) continue;
@@ -93,12 +98,12 @@ export const familyPlot = (moment: Moment, across: Measure, up: Measure, picked:
     const mark = s(
       "path",
       {
-        d: isChosen ? DIAMOND(r) : CIRCLE(r),
+        d: isChosen ? DIAMOND(r) : index === best ? SQUARE(r) : CIRCLE(r),
         transform: `translate(${x(one[across] / MEASURES[across].per).toFixed(2)} ${y(one[up] / MEASURES[up].per).toFixed(2)})`,
-        class: `plan${isChosen ? " chosen" : ""}${index === picked ? " picked" : ""}`,
+        class: `plan${isChosen ? " chosen" : index === best ? " best" : ""}${index === picked ? " picked" : ""}`,
         "data-option": index,
       },
-      s("title", {}, `${isChosen ? "chosen: " : ""}${orderOf(one)}\ninterest ${plain(one.prize)}, value ${plain(one.value)}, reliability ${chance(one.reliability)}, ${energy(one.energyJ)}, ${clock(one.timeS)}`),
+      s("title", {}, `${isChosen ? "chosen: " : index === best ? "best found: " : ""}${orderOf(one)}\ninterest ${plain(one.prize)}, value ${plain(one.value)}, reliability ${chance(one.reliability)}, ${energy(one.energyJ)}, ${clock(one.timeS)}`),
     );
     mark.addEventListener("pointerenter", () => handlers.point(index));
     svg.append(mark);
@@ -136,7 +141,7 @@ const axes = (svg: SVGSVGElement, { across, up, xs, ys, x, y }: Axes): void => {
 };
 
 const STYLE =
-  "text{font-family:system-ui,sans-serif}.grid{stroke:#ddd}.tick,.axis{font-size:11px;fill:#444}.plan{fill:#56b4e9;fill-opacity:.55;stroke:#1f5f86}.plan.chosen{fill:#d55e00;fill-opacity:1;stroke:#111}";
+  "text{font-family:system-ui,sans-serif}.grid{stroke:#ddd}.tick,.axis{font-size:11px;fill:#444}.plan{fill:#56b4e9;fill-opacity:.55;stroke:#1f5f86}.plan.best{fill:#009e73;fill-opacity:1;stroke:#111}.plan.chosen{fill:#d55e00;fill-opacity:1;stroke:#111}";
 
 /** The plot with its colours inside, to stand without this page. */
 export const familyFigure = (moment: Moment, across: Measure, up: Measure): SVGSVGElement => {

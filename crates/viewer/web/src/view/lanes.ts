@@ -21,8 +21,9 @@ export interface TimelineScene {
   run: Run;
   index: number;
   axis: Axis;
-  /** The goal picked out, by its name in the first run. */
+  /** The goal picked out, by its name in the run that leads. */
   goal: number | undefined;
+  lead: "a" | "b";
   /** A second run under the same cursor. */
   other?: { run: Run; index: number };
 }
@@ -156,7 +157,7 @@ const drawLanes = (ink: Ink, scene: TimelineScene, lanes: readonly Lane[], scale
   lanes.forEach((lane, i) => {
     const y = rows.lanes + i * rows.lane - scrolled + rows.lane / 2;
     if (y < rows.lanes - rows.lane || y > height + rows.lane) return;
-    const picked = scene.goal !== undefined && lane.a?.goal === scene.goal;
+    const picked = scene.goal !== undefined && lane[scene.lead]?.goal === scene.goal;
     if (picked) ink.rect(0, y - rows.lane / 2, width, rows.lane, { fill: colours.picked });
     ink.text(laneName(lane, scene.other !== undefined), LEFT - 12, y + 0.5, { size: 9.5, fill: picked ? colours.ink : colours.faint, anchor: "end", bold: picked });
     if (!scene.other) {
@@ -209,11 +210,12 @@ const drawEnd = (ink: Ink, state: GoalState, x: number, y: number, fat: number, 
 };
 
 const drawCursor = (ink: Ink, scene: TimelineScene, scale: TimeScale, rows: Rows, height: number, { accent }: Colours): void => {
-  const x = scale.x(scene.run, scene.index);
+  const lead = scene.lead === "b" && scene.other ? scene.other : scene;
+  const x = scale.x(lead.run, lead.index);
   ink.line(x, AXIS_Y + 6, x, height, { stroke: accent, width: 1.6 });
-  ink.circle(x, rows.decisions[0] ?? 0, 6.5, { stroke: accent, width: 2.4 });
+  ink.circle(scale.x(scene.run, scene.index), rows.decisions[0] ?? 0, 6.5, { stroke: accent, width: 2.4 });
   if (!scene.other) return;
-  // The second run's decision may lie before the cursor's time.
+  // The decision of the run that follows may lie before the cursor's time.
   ink.circle(scale.x(scene.other.run, scene.other.index), rows.decisions[1] ?? 0, 6.5, { stroke: accent, width: 2.4 });
 };
 

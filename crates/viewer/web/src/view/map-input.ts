@@ -34,7 +34,7 @@ export const listenMap = (map: MapView, handlers: MapHandlers): void => {
     }
   });
   canvas.addEventListener("pointerup", (event) => {
-    if (from && !from.moved) handlers.pick(map.goalAt(event.offsetX, event.offsetY));
+    if (from && !from.moved) handlers.pick(map.goalAt(event.offsetX, event.offsetY), map.sideAt(event.offsetX));
     from = undefined;
     wiping = false;
   });

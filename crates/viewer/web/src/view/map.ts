@@ -40,7 +40,7 @@ export interface MapHandlers {
   wipe(share: number): void;
   /** Asks about a cell of the first run or of the second. */
   probe(cell: Cell | undefined, of: "a" | "b"): void;
-  pick(goal: number | undefined): void;
+  pick(goal: number | undefined, of: "a" | "b"): void;
 }
 
 /** The part of the canvas that shows one run: from where to where, and how far its grid is moved. */
@@ -88,7 +88,7 @@ export class MapView {
   private size: Size;
   private readonly pictures: Record<"a" | "b", Picture> = { a: { canvas: document.createElement("canvas") }, b: { canvas: document.createElement("canvas") } };
   private scene: MapScene | undefined;
-  private marks: Mark[] = [];
+  private marks: Record<"a" | "b", Mark[]> = { a: [], b: [] };
   /** What was drawn last, but for the cell asked about, which moves with the pointer. */
   private readonly drawn = document.createElement("canvas");
   private stale = true;
@@ -189,13 +189,14 @@ export class MapView {
     this.handlers.probe(cell, this.halves ? "a" : this.sideAt(x));
   }
 
-  /** The goal of the first run under a pixel. */
+  /** The goal under a pixel, of the run in sight there. */
   goalAt(px: number, py: number): number | undefined {
-    if (this.sideAt(px) === "b") return undefined;
-    const near = this.marks
+    const of = this.sideAt(px);
+    const dx = this.movedAt(px);
+    const near = this.marks[of]
       .map((mark) => {
         const { x, y } = this.viewport.place(mark.cell);
-        return { goal: mark.goal, away: Math.hypot(px - x, py - y) };
+        return { goal: mark.goal, away: Math.hypot(px - dx - x, py - y) };
       })
       .filter(({ away }) => away <= REACH_PX);
     // The mark on top is the last drawn; of equals it wins.
@@ -229,7 +230,8 @@ export class MapView {
     return this.scene?.other?.wipe === "apart";
   }
 
-  private sideAt(px: number): "a" | "b" {
+  /** The run in sight at a pixel. */
+  sideAt(px: number): "a" | "b" {
     return this.scene?.other && px > (this.wipeX ?? this.size.width / 2) ? "b" : "a";
   }
 
@@ -266,7 +268,7 @@ export class MapView {
         this.ground(panel);
         drawShapes(this.surface.context, panel.shapes, (cell) => panel.viewport.place(cell), panel.x - panel.dx, panel.x - panel.dx + panel.width, height);
       });
-      if (panel.of === "a") this.marks = panel.shapes.filter((shape) => shape.kind === "mark");
+      this.marks[panel.of] = panel.shapes.filter((shape) => shape.kind === "mark");
     }
     if (scene.other) this.divide(this.wipeX ?? width / 2, height);
   }

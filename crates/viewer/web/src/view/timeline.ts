@@ -10,8 +10,9 @@ import { LEFT, drawTimeline, lanesOf, rowsOf, scaleOf } from "./lanes";
 import type { Colours, Lane, TimelineScene } from "./lanes";
 
 export interface TimelineHandlers {
-  seek(index: number): void;
-  pick(goal: number): void;
+  /** To a decision of the first run or of the second. */
+  seek(index: number, of: "a" | "b"): void;
+  pick(goal: number, of: "a" | "b"): void;
   hint(text: string | undefined, x: number, y: number): void;
 }
 
@@ -112,7 +113,7 @@ export class TimelineView {
 
   private reveal(goal: number): void {
     const { scene } = this;
-    const lane = this.lanes.findIndex(({ a }) => a?.goal === goal);
+    const lane = this.lanes.findIndex((lane) => lane[this.scene?.lead ?? "a"]?.goal === goal);
     if (lane < 0 || !scene) return;
     const rows = rowsOf(scene);
     const room = this.canvas.clientHeight - rows.lanes;
@@ -130,13 +131,23 @@ export class TimelineView {
     return lane && { lane, b: scene.other !== undefined && y % rows.lane > rows.lane / 2 };
   }
 
+  /** The run that a row tells of; none between them. */
+  private sideAt(py: number): "a" | "b" | undefined {
+    const { scene } = this;
+    if (!scene?.other) return "a";
+    const at = this.laneAt(py);
+    if (at) return at.b ? "b" : "a";
+    const rows = rowsOf(scene);
+    return (["a", "b"] as const).find((_, i) => [rows.decisions[i], rows.events[i]].some((y) => y !== undefined && Math.abs(py - y) < ROW_REACH_PX));
+  }
+
   private hintAt(px: number, py: number): string | undefined {
     const { scene } = this;
     if (!scene || px < LEFT - 62) return undefined;
     const rows = rowsOf(scene);
     const at = this.laneAt(py);
     const runs = [scene.run, ...(scene.other ? [scene.other.run] : [])];
-    const side = at?.b || [rows.decisions[1], rows.events[1]].some((y) => y !== undefined && Math.abs(py - y) < ROW_REACH_PX) ? 1 : 0;
+    const side = this.sideAt(py) === "b" ? 1 : 0;
     const run = runs[side];
     if (!run) return undefined;
     const name = scene.other ? `${side === 0 ? "A" : "B"}: ` : "";
@@ -180,13 +191,15 @@ export class TimelineView {
   private listen(): void {
     const { canvas } = this;
     let dragging = false;
+    let of: "a" | "b" = "a";
     const seek = (px: number): void => {
       const { scene } = this;
-      if (scene) this.handlers.seek(scaleOf(scene, canvas.clientWidth).indexAt(scene.run, px));
+      if (scene) this.handlers.seek(scaleOf(scene, canvas.clientWidth).indexAt(of === "b" && scene.other ? scene.other.run : scene.run, px), of);
     };
     canvas.addEventListener("pointerdown", (event) => {
-      const goal = this.laneAt(event.offsetY)?.lane.a?.goal;
-      if (goal !== undefined) this.handlers.pick(goal);
+      of = this.sideAt(event.offsetY) ?? this.scene?.lead ?? "a";
+      const goal = this.laneAt(event.offsetY)?.lane[of]?.goal;
+      if (goal !== undefined) this.handlers.pick(goal, of);
       if (event.offsetX < LEFT - 10) return;
       dragging = true;
       canvas.setPointerCapture(event.pointerId);
