@@ -154,13 +154,13 @@ export const page = async ({ proves, shoot, drawn, server, one, two, sample, log
     assert.ok(after.length > 0, "the sample has such a decision");
     for (const number of after) {
       await tab.keyboard.press("n");
-      await titled(tab, `Decision ${number} of 5`);
+      await titled(tab, `Decision ${number} of 0 … 4`);
     }
     await tab.keyboard.press("n");
     await tab.waitForSelector(".toast:not([hidden])");
     for (const number of turning.slice(0, -1).reverse()) {
       await tab.keyboard.press("N");
-      await titled(tab, `Decision ${number} of 5`);
+      await titled(tab, `Decision ${number} of 0 … 4`);
     }
   });
 
