@@ -45,6 +45,7 @@ describe("numbers beside each other", () => {
   test("are named as the log means them: prizes with a directive's weight in them, and prizes without", () => {
     const due = { name: "interest-changed", goal: 10, numbers: [{ name: "before", value: 0.291 }, { name: "after", value: 0.141 }] };
     expect(trigger(due)).toBe("interest-changed G10 prize 0.291 → 0.141 (−0.150)");
+    expect(trigger({ ...due, name: "conflict" })).toBe("conflict G10 contradiction 0.291 → 0.141 (−0.150)");
     expect(termOf("peak-moved", { name: "prize at the old target", value: 0.4685, limit: 0.9604 })).toMatch(/^unweighted prize at the old target 0.4685 against 0.9604/);
     expect(termOf("merged", { name: "prize", value: 0.4, limit: 0.5 })).toMatch(/^unweighted prize/);
     expect(termOf("excluded", { name: "prize", value: 0.4, limit: 0.5 })).toMatch(/^prize/);

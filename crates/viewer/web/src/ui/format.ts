@@ -106,8 +106,9 @@ export const trigger = (of: Trigger): string => {
       if (name === "message") return `message ${value}`;
       return `${name} ${plain(value)}`;
     });
-  // The log's `before` and `after` are prizes, the directive's weight in them.
-  const moved = before !== undefined && after !== undefined ? ` prize ${fromTo(before, after, share)}` : "";
+  // The log's `before` and `after` are prizes, the directive's weight in them; of a conflict what two experts say against each other.
+  const what = of.name === "conflict" ? "contradiction" : "prize";
+  const moved = before !== undefined && after !== undefined ? ` ${what} ${fromTo(before, after, share)}` : "";
   return `${of.name}${goal}${cell}${moved}${rest.length ? `, ${rest.join(", ")}` : ""}`;
 };
 
