@@ -97,9 +97,6 @@ export class App {
   private readonly toast = new Toast();
   private readonly main: HTMLElement;
 
-  /** How many decisions of which logs were there when the runs were last put where they belong. */
-  private read = "";
-
   constructor(root: HTMLElement) {
     this.mapPane.dock = this.panel.element;
     this.main = h("main", { hidden: true }, this.mapPane.element, this.panel.element, this.time.element);
@@ -218,10 +215,7 @@ export class App {
       this.redraw();
     }
     const run = a?.run;
-    // What becomes known of the same decisions, such as what can be derived, moves no run.
-    const read = [a, this.sides.b].map((side) => `${side?.serial}:${side?.run?.moments.length}`).join();
-    follow(this.sides, view, touched("axis") || read !== this.read);
-    this.read = read;
+    follow(this.sides, view, touched("axis", "log"));
     if (!run) return;
     if (run.moments.length === 0) {
       if (touched("log")) this.panel.show({ run, index: 0 }, undefined);
